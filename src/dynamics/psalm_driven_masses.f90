@@ -8,6 +8,7 @@ module psalm_driven_masses
    use psalm_angles, only: degrees_of, unit_vector
    use psalm_axes, only: into_axes, out_of_axes, quarter_turn
    use psalm_body_points, only: locate_point
+   use psalm_crank_motion, only: crank_motion_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_flexible_link, only: flexible_link_t
@@ -38,13 +39,13 @@ module psalm_driven_masses
 contains
 
    !> Influence coefficients of a link's joints. `model` has the masses of all links; its places are used alone.
-   subroutine find_influence(given, dimensions, model, link, points, sense, influence)
+   subroutine find_influence(given, dimensions, model, link, points, crank, influence)
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       type(flexible_link_t), intent(in) :: link
       integer, intent(in) :: points              !! positions in a turn
-      real(wp), intent(in) :: sense              !! 1 or -1: of the turning of the crank
+      type(crank_motion_t), intent(in) :: crank
       type(influence_t), intent(out) :: influence
       type(dimensions_t) :: other
       real(wp), allocatable :: at_rest(:, :, :), ahead(:, :, :), behind(:, :, :) ! shape (4, bodies, positions): place and axis
@@ -63,12 +64,12 @@ contains
          influence%direction = [influence%direction, 2]
       end do
       if (link%slide > 0) then
-         call cut_joints(given, dimensions, model, link, points, sense, influence)
+         call cut_joints(given, dimensions, model, link, points, crank, influence)
          return
       end if
       bodies = size(model%reference)
       step = aside*maxval(abs(link%frame%x))
-      call take_poses(given, dimensions, model, link, points, sense, at_rest, influence%known)
+      call take_poses(given, dimensions, model, link, points, crank, at_rest, influence%known)
       if (.not. influence%known) return
       allocate (influence%motion(3, bodies, size(influence%node), points), source=0.0_wp)
       influence%axes = at_rest(3:4, :, :)
@@ -77,11 +78,11 @@ contains
          way(influence%direction(g)) = step
          other = dimensions
          call displace(given%mechanism, dimensions, model, link, influence%node(g), way, other)
-         call take_poses(given, other, model, link, points, sense, ahead, closes)
+         call take_poses(given, other, model, link, points, crank, ahead, closes)
          influence%known = influence%known .and. closes
          other = dimensions
          call displace(given%mechanism, dimensions, model, link, influence%node(g), -way, other)
-         call take_poses(given, other, model, link, points, sense, behind, closes)
+         call take_poses(given, other, model, link, points, crank, behind, closes)
          influence%known = influence%known .and. closes
          if (.not. influence%known) return
          do i = 1, points
@@ -107,13 +108,13 @@ contains
    end subroutine find_influence
 
    !> The same of a link with a slide, where its axes move as the slide gives way: joint after joint is taken apart.
-   subroutine cut_joints(given, dimensions, model, link, points, sense, influence)
+   subroutine cut_joints(given, dimensions, model, link, points, crank, influence)
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       type(flexible_link_t), intent(in) :: link
       integer, intent(in) :: points
-      real(wp), intent(in) :: sense
+      type(crank_motion_t), intent(in) :: crank
       type(influence_t), intent(inout) :: influence
       real(wp), allocatable :: apart(:, :, :, :)  ! shape (3, bodies, 2, positions)
       real(wp) :: ahead(2)
@@ -146,7 +147,7 @@ contains
          real(wp), allocatable, intent(out) :: motions(:, :, :, :)
          type(joint_load_t) :: load
 
-         call find_joint_load(given, dimensions, model, joint, points, sense, load, motions)
+         call find_joint_load(given, dimensions, model, joint, points, crank, load, motions)
          influence%known = load%failure == 0 .and. load%loose == 0
          ! the points move apart by what the link gives way: the first less the second
          if (given%mechanism%joints(joint)%bodies(1) == link%body) motions = -motions
@@ -160,8 +161,8 @@ contains
          real(wp) :: input(points)
          integer :: block, offset, n, b
 
-         turn%sense = sense
-         call prepare_turn(given, dimensions, points, problem, input, turn)
+         turn%crank = crank%at_steps(points)
+         call prepare_turn(given, dimensions, problem, input, turn)
          allocate (influence%axes(2, size(model%reference), points), source=0.0_wp)
          call prepare_forces(problem, model, forces)
          associate (v => problem%linkage%store%v)
@@ -181,13 +182,13 @@ contains
    end subroutine cut_joints
 
    !> Places and axes of all bodies over a turn; of the link those of its frame.
-   subroutine take_poses(given, dimensions, model, link, points, sense, poses, closes)
+   subroutine take_poses(given, dimensions, model, link, points, crank, poses, closes)
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       type(flexible_link_t), intent(in) :: link
       integer, intent(in) :: points              !! positions in a turn
-      real(wp), intent(in) :: sense              !! 1 or -1: of the turning of the crank
+      type(crank_motion_t), intent(in) :: crank
       real(wp), allocatable, intent(out) :: poses(:, :, :) !! shape (4, bodies, points)
       logical, intent(out) :: closes
       class(problem_t), allocatable :: problem   ! large: it would fill a small stack
@@ -196,8 +197,8 @@ contains
       real(wp) :: input(points), far(2)
       integer :: block, offset, n, b, i, first, second
 
-      turn%sense = sense
-      call prepare_turn(given, dimensions, points, problem, input, turn)
+      turn%crank = crank%at_steps(points)
+      call prepare_turn(given, dimensions, problem, input, turn)
       closes = turn%failure == 0
       allocate (poses(4, size(model%reference), points), source=0.0_wp)
       if (.not. closes) return

@@ -1,7 +1,8 @@
-!> What a linkage does to a link of beam elements in a turn of the crank at constant speed: its motion, the forces of its joints,
+!> What a linkage does to a link of beam elements in a turn of the crank: its motion, the forces of its joints,
 !> loads and springs on it; in the axes of its frame.
 module psalm_flexible_cycle
    use psalm_axes, only: into_axes, out_of_axes, quarter_turn
+   use psalm_crank_motion, only: crank_motion_t, move_in_turn
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_flexible_link, only: flexible_link_t, attached_t
@@ -20,9 +21,10 @@ module psalm_flexible_cycle
    integer, parameter, public :: parts = 4
    integer, parameter, public :: part_inertia = 1, part_fixed = 2, part_damped = 3, part_pushed = 4 !! of the loads
 
-   !> At equal steps of the crank from its reference position, at 1 rad/s; `pushed`: at rest, with 1 rad/s2 in its sense.
+   !> At equal steps of time from the reference position of the crank, at a mean speed of 1 rad/s; `pushed`: at rest, with 1 rad/s2
+   !> in its sense.
    type :: flexible_cycle_t
-      type(link_cycle_t) :: turn                 !! where the crank cannot turn, and its sense
+      type(link_cycle_t) :: turn                 !! where the crank cannot turn, and its motion
       real(wp), allocatable :: acceleration(:, :) !! shape (2, positions): of the origin of the frame's axes, m
       real(wp), allocatable :: turning(:), speed(:) !! shape (positions): angular acceleration and speed
       real(wp), allocatable :: pushed(:, :)      !! shape (3, positions): acceleration of the origin, and turning
@@ -39,13 +41,13 @@ module psalm_flexible_cycle
 contains
 
    !> Follow a link. `model` has the masses of its segments.
-   subroutine find_flexible_cycle(given, dimensions, model, link, points, sense, cycle_of)
+   subroutine find_flexible_cycle(given, dimensions, model, link, points, crank, cycle_of)
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       type(flexible_link_t), intent(in) :: link
       integer, intent(in) :: points             !! positions in a turn
-      real(wp), intent(in) :: sense             !! 1 or -1: of the turning of the crank
+      type(crank_motion_t), intent(in) :: crank
       type(flexible_cycle_t), intent(out) :: cycle_of
       class(problem_t), allocatable :: problem   ! large: it would fill a small stack
       type(force_model_t) :: bare, steady, dampers
@@ -55,8 +57,8 @@ contains
       real(wp), allocatable :: unit(:, :)        ! shape (2, positions of the block): direction of the frame's x axis
       integer :: block, offset, n, source, k
 
-      cycle_of%turn%sense = sense
-      call prepare_turn(given, dimensions, points, problem, input, cycle_of%turn)
+      cycle_of%turn%crank = crank%at_steps(points)
+      call prepare_turn(given, dimensions, problem, input, cycle_of%turn)
       if (cycle_of%turn%failure > 0) return
       allocate (cycle_of%acceleration(2, points), cycle_of%turning(points), cycle_of%speed(points), cycle_of%weight(2, points))
       allocate (cycle_of%forces(2, size(link%joints), parts, points), cycle_of%pushed(3, points), source=0.0_wp)
@@ -79,7 +81,7 @@ contains
          call differentiate(problem, rates, n, 2)
          call note_dead(problem, rates, offset, n, cycle_of%turn)
          if (cycle_of%turn%failure > 0) return
-         call move_bodies(problem, rates, n, 1.0_wp, 0.0_wp, forces)
+         call move_in_turn(cycle_of%turn%crank, problem, rates, offset, n, 1.0_wp, forces)
          call follow_motion()
          if (link%slide > 0) call follow_slide()
          call follow_acting(problem, steady, unit, input(offset + 1:offset + n), offset, n, forces, cycle_of%acting)
@@ -93,14 +95,14 @@ contains
          end do
          call sweep(problem, n, forces)
          call take_forces(part_fixed)
-         call move_bodies(problem, rates, n, 0.0_wp, cycle_of%turn%sense, forces)
+         call move_bodies(problem, rates, n, 0.0_wp, cycle_of%turn%crank%sense, forces)
          call follow_push()
          call clear_wrenches(n, forces)
          call add_source(problem, bare, source_inertia, input(offset + 1:offset + n), n, forces)
          call sweep(problem, n, forces)
          call take_forces(part_pushed)
          if (.not. any(dampers%springs%damps())) cycle
-         call move_bodies(problem, rates, n, cycle_of%turn%sense, 0.0_wp, forces)
+         call move_in_turn(cycle_of%turn%crank, problem, rates, offset, n, cycle_of%turn%crank%sense, forces)
          call clear_wrenches(n, forces)
          do source = first_spring(dampers), sources_of(dampers)
             call add_source(problem, dampers, source, input(offset + 1:offset + n), n, forces)

@@ -7,6 +7,10 @@
 !> Weight, loads and springs have a torque Q(phi) on the crank, dampers -B(phi) times its speed. Of Eksergian's equation
 !> J phi'' + J' phi'**2/2 = Q - B phi' - S th - chi th', phi = w t + th, the terms of first order in th add B/(J0 w) to c1 g,
 !> -Q'/(J0 w**2) + B'/(J0 w) to c0 g and Q/(J0 w**2) - B/(J0 w) to p g.
+!>
+!> Where the far end turns by psi(x), x = w t, at a speed that varies, phi = psi + th. With g, Q and B as functions of x, a dash
+!> being d/dx, c0 g then has (g'' + g' psi''/psi')/2 - Q'/(psi' J0 w**2) + B'/(J0 w) besides D**2, and p g is
+!> -g psi'' - g' psi'/2 + Q/(J0 w**2) - B psi'/(J0 w); c1 is as before.
 module psalm_flexible_drive
    use psalm_hill, only: hill_t, solve_hill
    use psalm_kinds, only: wp
@@ -15,10 +19,11 @@ module psalm_flexible_drive
    private
    public :: drive_response, mean_ratio, least_ratio, ratio_for_mean, drive_coefficients, drive_torque_t
 
-   !> What acts on the crank besides inertia, against x.
+   !> What acts on the crank besides its inertia and the shaft, against x.
    type :: drive_torque_t
       type(periodic_t) :: torque               !! Q/(J0 w**2)
       type(periodic_t) :: damping              !! B/(J0 w)
+      type(periodic_t) :: rate, push           !! psi' and psi'': 1 and 0 at constant speed
    end type drive_torque_t
 
    integer, parameter :: fewest_points = 64 !! samples of a turn for one harmonic of the inertia, times its highest
@@ -47,14 +52,15 @@ contains
       real(wp), intent(in) :: d, damping
       type(periodic_t), intent(out) :: c1, c0, p
       type(drive_torque_t), intent(in), optional :: acting
-      real(wp), allocatable :: g(:), slope(:), hold(:), q(:), b(:)
+      real(wp), allocatable :: g(:), slope(:), hold(:), q(:), b(:), rate(:)
 
       call ratio_and_slopes(inertia, g, slope, hold, acting)
       if (present(acting)) then
          q = acting%torque%values(size(g))
          b = acting%damping%values(size(g))
          c1 = periodic_from_samples((slope + damping*d + b)/g)
-         p = periodic_from_samples((-0.5_wp*slope + q - b)/g)
+         rate = acting%rate%values(size(g))
+         p = periodic_from_samples((-0.5_wp*slope*rate + q - b*rate)/g - acting%push%values(size(g)))
       else
          c1 = periodic_from_samples((slope + damping*d)/g)
          p = periodic_from_samples(-0.5_wp*slope/g)
@@ -120,13 +126,15 @@ contains
       real(wp), allocatable, intent(out) :: g(:), slope(:), hold(:)
       type(drive_torque_t), intent(in), optional :: acting
       type(periodic_t) :: ratio, d1, d2
+      real(wp), allocatable :: rate(:)
       integer :: n
 
       ratio = inertia%scaled(1.0_wp/inertia%mean())
       d1 = ratio%derivative(1)
       d2 = ratio%derivative(2)
       n = ratio%highest()
-      if (present(acting)) n = max(n, acting%torque%highest(), acting%damping%highest())
+      if (present(acting)) n = max(n, acting%torque%highest(), acting%damping%highest(), acting%rate%highest(), &
+                                   acting%push%highest())
       n = fewest_points + per_harmonic*n
       g = ratio%values(n)
       slope = d1%values(n)
@@ -134,6 +142,7 @@ contains
       if (.not. present(acting)) return
       d1 = acting%torque%derivative(1)
       d2 = acting%damping%derivative(1)
-      hold = hold - d1%values(n) + d2%values(n)
+      rate = acting%rate%values(n)
+      hold = hold + 0.5_wp*slope*acting%push%values(n)/rate - d1%values(n)/rate + d2%values(n)
    end subroutine ratio_and_slopes
 end module psalm_flexible_drive

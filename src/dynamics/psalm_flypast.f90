@@ -9,7 +9,7 @@ module psalm_flypast
    use psalm_ode, only: smooth_ode_t, one_step, advance, next_step
    implicit none (type, external)
    private
-   public :: flypast_t, flight_t, follow_flypast, fly
+   public :: flypast_t, flight_t, passing_contact_t, passed_step_t, follow_flypast, fly
 
    integer, parameter :: most_minima = 6            !! of the force: contact is assessed by the passage and five after it
    real(wp), parameter :: first_time = -40.0_wp     !! T at which following begins: from -10 on figures still move
@@ -50,7 +50,15 @@ module psalm_flypast
    contains
       procedure :: slopes
       procedure :: force
+      procedure :: rate
    end type passing_contact_t
+
+   !> A step of its integration.
+   type :: passed_step_t
+      real(wp) :: time = 0.0_wp                     !! T at which it begins
+      real(wp) :: state(2) = 0.0_wp                 !! g, g' there
+      real(wp) :: length = 0.0_wp
+   end type passed_step_t
 
 contains
 
@@ -80,6 +88,25 @@ contains
       force = c + time*s + ((1.0_wp - self%h3*cos_p)*y(2)**2 + self%h3*sin_p*d(2))/self%cube
    end function force
 
+   !> Derivative of the force by T. With A = 1 + H3 cos P and B = H3 sin P is A' = 2 g' B, B' = -2 g' (A - 1), and g''' follows
+   !> from the equation of g''.
+   pure real(wp) function rate(self, time, y)
+      class(passing_contact_t), intent(in) :: self
+      real(wp), intent(in) :: time, y(2)
+      real(wp) :: d(2), c, s, cos_p, sin_p, a, b, a1, b1, third
+
+      c = cos(y(1))
+      s = sin(y(1))
+      call turn_twice(self%cosine, self%sine, c, s, cos_p, sin_p)
+      d = self%slopes(time, y)
+      a = 1.0_wp + self%h3*cos_p
+      b = self%h3*sin_p
+      a1 = 2.0_wp*y(2)*b
+      b1 = -2.0_wp*y(2)*self%h3*cos_p
+      third = (self%cube*(c - (time*s + c)*y(2)) - b1*y(2)**2 - 2.0_wp*b*y(2)*d(2) - d(2)*a1)/a
+      rate = s + (time*c - s)*y(2) + (-a1*y(2)**2 + 2.0_wp*(2.0_wp - a)*y(2)*d(2) + b1*d(2) + b*third)/self%cube
+   end function rate
+
    !> Cosine and sine of P = -2 g - H2, from those of g.
    pure subroutine turn_twice(cosine, sine, c, s, cos_p, sin_p)
       real(wp), intent(in) :: cosine, sine          !! of H2
@@ -95,18 +122,24 @@ contains
 
    !> Follow the contact from T = -40 through the minimum. Errors: `ok` false if H1 <= 0, H3 is not in [0, 1), or the equation
    !> cannot be followed.
-   function follow_flypast(h1, h2, h3, from) result(flypast)
+   function follow_flypast(h1, h2, h3, from, passing, steps) result(flypast)
       real(wp), intent(in) :: h1                    !! positive
       real(wp), intent(in) :: h2                    !! radians
       real(wp), intent(in) :: h3                    !! 0 <= H3 < 1
       real(wp), intent(in), optional :: from        !! T at which to begin; -40 if not given
+      type(passing_contact_t), intent(out), optional :: passing
+      type(passed_step_t), allocatable, intent(out), optional :: steps(:) !! from before the first minimum to after the second
       type(flypast_t) :: flypast
       type(passing_contact_t) :: contact
       real(wp) :: t, last, g(2), step, next(2), taken, forces(3), times(3), states(2, 3), least, gap, period
       integer :: i
+      logical :: passed                             ! the second minimum
 
+      passed = .false.
+      if (present(steps)) allocate (steps(0))
       if (.not. (h1 > 0.0_wp .and. h3 >= 0.0_wp .and. h3 < 1.0_wp)) return
       contact = passing_contact_t(tolerance=tolerance, cube=h1**3, h3=h3, cosine=cos(h2), sine=sin(h2))
+      if (present(passing)) passing = contact
       last = min(last_time, 0.5_wp*settling + settling/h1)
       t = first_time
       if (present(from)) t = from
@@ -137,6 +170,12 @@ contains
                flypast%at = flypast%found
             end if
             if (flypast%found == most_minima) exit
+         end if
+         if (present(steps)) then
+            if (flypast%found == 1 .and. size(steps) == 0) steps = [passed_step_t(times(1), states(:, 1), times(2) - times(1))]
+            if (flypast%found == 1 .or. (flypast%found == 2 .and. .not. passed)) &
+               steps = [steps, passed_step_t(t, g, taken)]
+            passed = flypast%found > 1
          end if
          t = t + taken
          g = next

@@ -1,16 +1,19 @@
 !> The standard charts of a joint with clearance (Haines, chapters 3 and 4): over H1 (the radius) and H2 (the angle), for each H3,
 !> where contact is lost, at which minimum of the force, and the index of the impulse of the first impact.
 module psalm_flypast_chart
-   use psalm_flypast, only: flypast_t, flight_t, follow_flypast, fly
+   use psalm_contact_pulse, only: contact_pulse_t, pulse_shape_t, find_pulse
+   use psalm_flypast, only: flypast_t, flight_t, passing_contact_t, passed_step_t, follow_flypast, fly
    use psalm_kinds, only: wp, pi
    use psalm_stop, only: stop_t
    implicit none (type, external)
    private
-   public :: chart_t, loss_range_t, make_chart, scan_line, outermost_loss
+   public :: chart_t, loss_range_t, make_chart, scan_line, outermost_loss, pulse_numbers
 
    real(wp), parameter :: farthest = 2.0_wp     !! H1 up to which `outermost_loss` looks
    real(wp), parameter :: scan = 0.05_wp        !! its steps
    real(wp), parameter :: exactly = 1.0e-5_wp   !! its borders, relative
+
+   integer, parameter :: pulse_numbers = 7      !! of a pulse in a chart
 
    !> A range of H1 within which contact is lost.
    type :: loss_range_t
@@ -28,6 +31,8 @@ module psalm_flypast_chart
       real(wp), allocatable :: h1(:), h2(:), h3(:)  !! h2 in radians, from -pi at equal steps
       integer, allocatable :: lost(:, :, :)         !! shape (h1, h2, h3): the minimum at which contact is lost; 0: it is kept
       real(wp), allocatable :: index(:, :, :)       !! of the impulse; 0 where contact is kept
+      real(wp), allocatable :: pulse(:, :, :, :)    !! shape (pulse_numbers, h1, h2, h3), contact kept: T of the greatest force, it,
+                                                    !! height, width, growth, decay, impulse; 0 where none is known
       type(chart_line_t), allocatable :: lines(:, :)      !! shape (h2, h3)
    end type chart_t
 
@@ -47,9 +52,11 @@ contains
       chart%h1 = [(greatest*real(i, wp)/real(radii, wp), i=1, radii)]
       chart%h2 = [(-pi + 2.0_wp*pi*real(i - 1, wp)/real(angles, wp), i=1, angles)]
       chart%h3 = h3
-      allocate (chart%lost(radii, angles, size(h3)), chart%index(radii, angles, size(h3)), chart%lines(angles, size(h3)))
+      allocate (chart%lost(radii, angles, size(h3)), chart%index(radii, angles, size(h3)), chart%lines(angles, size(h3)), &
+                chart%pulse(pulse_numbers, radii, angles, size(h3)))
       chart%lost = 0
       chart%index = 0.0_wp
+      chart%pulse = 0.0_wp
       do line = 1, size(chart%lines)
          associate (of => chart%lines(1 + modulo(line - 1, angles), 1 + (line - 1)/angles))
             allocate (of%ranges(0), of%passage(0))
@@ -66,10 +73,12 @@ contains
          k = 1 + (line - 1)/angles
          i = line - (k - 1)*angles
          call scan_line(chart%h2(i), chart%h3(k), chart%h1, chart%lost(:, i, k), chart%index(:, i, k), &
-                        chart%lines(i, k)%ranges, chart%lines(i, k)%passage)
+                        chart%lines(i, k)%ranges, chart%lines(i, k)%passage, chart%pulse(:, :, i, k))
          associate (of => chart%lines(i, k))
-            call ending%keep_item(line, [real(chart%lost(:, i, k), wp), chart%index(:, i, k), real(size(of%passage), wp), &
-                                       of%passage%from, of%passage%to, of%ranges%from, of%ranges%to, real(of%ranges%minimum, wp)])
+            call ending%keep_item(line, [real(chart%lost(:, i, k), wp), chart%index(:, i, k), &
+                                         reshape(chart%pulse(:, :, i, k), [pulse_numbers*radii]), &
+                                         real(size(of%passage), wp), of%passage%from, of%passage%to, &
+                                         of%ranges%from, of%ranges%to, real(of%ranges%minimum, wp)])
          end associate
       end do
       !$omp end parallel do
@@ -81,7 +90,9 @@ contains
          i = line - (k - 1)*angles
          chart%lost(:, i, k) = nint(numbers(:radii))
          chart%index(:, i, k) = numbers(radii + 1:2*radii)
-         at = 2*radii + 1
+         at = 2*radii
+         chart%pulse(:, :, i, k) = reshape(numbers(at + 1:at + pulse_numbers*radii), [pulse_numbers, radii])
+         at = at + pulse_numbers*radii + 1
          n = nint(numbers(at))
          chart%lines(i, k)%passage = [(loss_range_t(numbers(at + m), numbers(at + n + m), 1), m=1, n)]
          at = at + 2*n
@@ -92,21 +103,32 @@ contains
 
    !> One radial line: what becomes of contact at each H1, and the ranges within which it is lost, in ascending order: a line may
    !> cut the lost region more than once. What is narrower than the steps may be missed.
-   subroutine scan_line(h2, h3, h1, lost, index, ranges, passage)
+   subroutine scan_line(h2, h3, h1, lost, index, ranges, passage, pulses)
       real(wp), intent(in) :: h2, h3
       real(wp), intent(in) :: h1(:)             !! ascending
       integer, intent(out) :: lost(:)           !! the minimum at which contact is lost; 0: it is kept
       real(wp), intent(out) :: index(:)         !! of the impulse
       type(loss_range_t), allocatable, intent(out) :: ranges(:)
       type(loss_range_t), allocatable, intent(out) :: passage(:) !! ranges of a loss in the passage
+      real(wp), intent(out), optional :: pulses(:, :) !! shape (pulse_numbers, h1), as of a chart
       type(flypast_t) :: here
       type(flight_t) :: flight
+      type(passing_contact_t) :: passing
+      type(passed_step_t), allocatable :: steps(:)
+      type(contact_pulse_t) :: pulse
+      type(pulse_shape_t) :: unused
       integer :: i
 
       lost = 0
       index = 0.0_wp
+      if (present(pulses)) pulses = 0.0_wp
       do i = 1, size(h1)
-         here = follow_flypast(h1(i), h2, h3)
+         here = follow_flypast(h1(i), h2, h3, passing=passing, steps=steps)
+         if (present(pulses)) then
+            call find_pulse(passing, steps, pulse, unused)
+            if (pulse%known) pulses(:, i) = [pulse%at, pulse%force, pulse%height, pulse%width, pulse%growth, pulse%decay, &
+                                             pulse%impulse]
+         end if
          if (here%lost) then
             lost(i) = here%at
             flight = fly(h1(i), h2, h3, here%loss)

@@ -1,7 +1,7 @@
 !> The pin in contact with its hole, followed through a turn of the crank: Haines, chapter 3 (the following mode).
 !>
 !> The pin stands at the angle g in its hole; the lag behind the load without clearance is a = g* - g. The equation is written for
-!> g and the components of the load, which may pass through zero. Time is the angle of the crank.
+!> g and the components of the load, which may pass through zero. Time is in radians of the crank's mean turning.
 module psalm_following
    use psalm_kinds, only: wp, pi
    use psalm_ode, only: smooth_ode_t, one_step, advance, next_step

@@ -5,12 +5,13 @@
 !> The motion of every link for a unit of u and of v follows from the conditions of all other joints, one linear system a
 !> position; the 2 by 2 tensor is the kinetic energy of that motion. Source: Haines, chapters 3 and 4, for one joint of a four-bar.
 module psalm_joint_load
+   use psalm_crank_motion, only: crank_motion_t, move_in_turn
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, motion_t
    use psalm_force_model, only: force_model_t, vertices_of, parameter_mass, parameter_mx, parameter_my, parameter_inertia
-   use psalm_kinds, only: wp, full_turn
+   use psalm_kinds, only: wp
    use psalm_group_reactions, only: group_couple_t, effects_of_couple
-   use psalm_kinetostatics, only: forces_t, couples_of_group, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, &
+   use psalm_kinetostatics, only: forces_t, couples_of_group, prepare_forces, clear_wrenches, add_source, sweep, &
                                   joint_rows, source_inertia, sources_of
    use psalm_lapack, only: solve_general
    use psalm_mechanism, only: body_frame, joint_gear, joint_prismatic
@@ -21,10 +22,10 @@ module psalm_joint_load
 
    integer, parameter :: freedoms = 3 !! of a body: x, y, angle
 
-   !> Arrays have the shape (.., positions): at equal steps of the crank from its reference position. SI units.
+   !> Arrays have the shape (.., positions): at equal steps of time from the reference position of the crank. SI units.
    type :: joint_load_t
-      real(wp) :: sense = 1.0_wp                 !! -1: the crank turns backwards
-      real(wp), allocatable :: inertia(:, :)     !! shape (2, positions): load x and y of inertia at 1 rad/s
+      type(crank_motion_t) :: crank              !! at these steps
+      real(wp), allocatable :: inertia(:, :)     !! shape (2, positions): load x and y of inertia at a mean of 1 rad/s
       real(wp), allocatable :: fixed(:, :)       !! of weight, loads and springs, N
       real(wp), allocatable :: tensor(:, :)      !! shape (3, positions): M_uu, M_uv, M_vv in machine axes, kg
       integer :: failure = 0                     !! position at which it does not close or passes a dead point; 0: none
@@ -38,13 +39,13 @@ contains
    !> Follow a revolute joint. The load is that of its first body on its second, the displacement that of the first in the second.
    !> `motion`: how the bodies move for a unit of u and of v; a slide may be taken apart for it, which is then displaced across its
    !> line and turned.
-   subroutine find_joint_load(given, dimensions, model, joint, points, speed, load, motion_of_bodies)
+   subroutine find_joint_load(given, dimensions, model, joint, points, crank, load, motion_of_bodies)
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model       !! without friction
       integer, intent(in) :: joint
       integer, intent(in) :: points                  !! positions in a turn
-      real(wp), intent(in) :: speed                  !! rad/s; what dampers feel
+      type(crank_motion_t), intent(in) :: crank      !! dampers feel its speed
       type(joint_load_t), intent(out) :: load
       real(wp), allocatable, intent(out), optional :: motion_of_bodies(:, :, :, :) !! shape (3, bodies, 2, positions): of the
                                                      !! reference of each body, in machine axes; turning
@@ -55,11 +56,11 @@ contains
       integer :: block, offset, n, i, loop, source
       logical :: ok
 
-      load%sense = sign(1.0_wp, speed)
+      load%crank = crank%at_steps(points)
       allocate (load%inertia(2, points), load%fixed(2, points), load%tensor(3, points), source=0.0_wp)
       if (present(motion_of_bodies)) allocate (motion_of_bodies(freedoms, size(model%reference), 2, points), source=0.0_wp)
       allocate (problem, source=given)
-      call problem%set_inputs([(load%sense*full_turn*real(i - 1, wp)/real(points, wp), i=1, points)])
+      call problem%set_inputs(load%crank%input)
       call problem%want_derivatives(.true., vertices_of(problem%mechanism))
       call problem%analyse(dimensions, motion)
       load%failure = findloc(motion%closed, .false., dim=1)
@@ -78,12 +79,12 @@ contains
                return
             end do
          end do
-         call move_bodies(problem, rates, n, 1.0_wp, 0.0_wp, forces)
+         call move_in_turn(load%crank, problem, rates, offset, n, 1.0_wp, forces)
          call clear_wrenches(n, forces)
          call add_source(problem, model, source_inertia, motion%input(offset + 1:offset + n), n, forces)
          call sweep(problem, n, forces)
          load%inertia(:, offset + 1:offset + n) = transpose(joint_rows(problem, forces, joint, n))
-         call move_bodies(problem, rates, n, speed, 0.0_wp, forces)
+         call move_in_turn(load%crank, problem, rates, offset, n, crank%sense*crank%speed, forces)
          call clear_wrenches(n, forces)
          do source = source_inertia + 1, sources_of(model)
             call add_source(problem, model, source, motion%input(offset + 1:offset + n), n, forces)

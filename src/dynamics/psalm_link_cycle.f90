@@ -1,14 +1,15 @@
-!> What a linkage does to one of its links in a turn of the crank at constant speed: the motion of its start, its turning, the
+!> What a linkage does to one of its links in a turn of the crank: the motion of its start, its turning, the
 !> pull at its finish - of its own inertia, of the inertia of all other links, and of weight, loads and springs - and what acts
 !> on the link between its pins: its weight, loads, ends of springs.
 module psalm_link_cycle
    use psalm_body_points, only: locate_point
+   use psalm_crank_motion, only: crank_motion_t, move_in_turn
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, motion_t
    use psalm_force_model, only: force_model_t, load_t, vertices_of, parameter_mass, parameter_mx, parameter_my, &
                                 parameter_inertia
-   use psalm_kinds, only: wp, full_turn
+   use psalm_kinds, only: wp
    use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, joint_rows, &
                                   first_spring, source_inertia, sources_of
    use psalm_link_loads, only: acting_cycle_t, find_foot, list_acting, direction_of_arc, follow_acting
@@ -28,9 +29,10 @@ module psalm_link_cycle
 
    real(wp), parameter :: beyond_pin = 1.0e-9_wp !! of the length: a place so far beyond a pin is at the pin
 
-   !> All arrays have the shape (positions): at equal steps of the crank from its reference position, at 1 rad/s.
+   !> All arrays have the shape (positions): at equal steps of time from the reference position of the crank, at a mean speed of
+   !> 1 rad/s.
    type :: link_cycle_t
-      real(wp) :: sense = 1.0_wp                 !! -1: the crank turns backwards, from the reference position on
+      type(crank_motion_t) :: crank              !! at these steps
       real(wp) :: length = 0.0_wp                !! m
       real(wp) :: mass = 0.0_wp                  !! of the uniform link, kg
       real(wp), allocatable :: direction(:, :)   !! shape (2, positions): of the link, unit vector in machine axes
@@ -207,13 +209,13 @@ contains
    end subroutine add_uniform_link
 
    !> Follow the link. It was checked by `check_link`.
-   subroutine find_link_cycle(given, dimensions, model, beam, points, sense, cycle_of)
+   subroutine find_link_cycle(given, dimensions, model, beam, points, crank, cycle_of)
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       type(beam_t), intent(in) :: beam
       integer, intent(in) :: points             !! positions in a turn
-      real(wp), intent(in) :: sense             !! 1 or -1: of the turning of the crank
+      type(crank_motion_t), intent(in) :: crank
       type(link_cycle_t), intent(out) :: cycle_of
       class(problem_t), allocatable :: problem   ! large: it would fill a small stack
       type(force_model_t) :: own, bare, steady, dampers
@@ -222,8 +224,8 @@ contains
       real(wp) :: input(points)
       integer :: block, offset, n, arc, body, start, finish, source, i
 
-      cycle_of%sense = sense
-      call prepare_turn(given, dimensions, points, problem, input, cycle_of)
+      cycle_of%crank = crank%at_steps(points)
+      call prepare_turn(given, dimensions, problem, input, cycle_of)
       if (cycle_of%failure > 0) return
       arc = problem%mechanism%seq(beam%link%loop, beam%link%arc)
       body = problem%mechanism%arcs(arc)%body
@@ -250,7 +252,7 @@ contains
          call differentiate(problem, rates, n, 2)
          call note_dead(problem, rates, offset, n, cycle_of)
          if (cycle_of%failure > 0) return
-         call move_bodies(problem, rates, n, 1.0_wp, 0.0_wp, forces)
+         call move_in_turn(cycle_of%crank, problem, rates, offset, n, 1.0_wp, forces)
          call follow_motion()
          if (block == 1) call make_own()
          call follow_acting(problem, steady, direction_of_arc(problem, arc, n), input(offset + 1:offset + n), offset, n, forces, &
@@ -270,7 +272,7 @@ contains
          call sweep(problem, n, forces)
          call take_pull(cycle_of%fixed)
          if (.not. any(dampers%springs%damps())) cycle
-         call move_bodies(problem, rates, n, cycle_of%sense, 0.0_wp, forces)
+         call move_in_turn(cycle_of%crank, problem, rates, offset, n, cycle_of%crank%sense, forces)
          call clear_wrenches(n, forces)
          do source = first_spring(dampers), sources_of(dampers)
             call add_source(problem, dampers, source, input(offset + 1:offset + n), n, forces)
@@ -401,13 +403,13 @@ contains
       link%turning_squared = periodic_from_samples(cycle_of%speed**2)
    end function moving_link
 
-   !> Inertia that the crank feels: twice the kinetic energy at 1 rad/s, kg m2. Shape of `inertia`: (points).
-   subroutine inertia_at_crank(given, dimensions, model, points, sense, inertia, cycle_of)
+   !> Inertia that the crank feels: twice the kinetic energy at 1 rad/s, kg m2, at its steps. Shape of `inertia`: (points).
+   subroutine inertia_at_crank(given, dimensions, model, points, crank, inertia, cycle_of)
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       integer, intent(in) :: points
-      real(wp), intent(in) :: sense              !! 1 or -1: of the turning of the crank
+      type(crank_motion_t), intent(in) :: crank
       real(wp), allocatable, intent(out) :: inertia(:)
       type(link_cycle_t), intent(out) :: cycle_of !! where it does not turn
       class(problem_t), allocatable :: problem
@@ -417,8 +419,8 @@ contains
       integer :: block, offset, n
 
       allocate (inertia(points), source=0.0_wp)
-      cycle_of%sense = sense
-      call prepare_turn(given, dimensions, points, problem, input, cycle_of)
+      cycle_of%crank = crank%at_steps(points)
+      call prepare_turn(given, dimensions, problem, input, cycle_of)
       if (cycle_of%failure > 0) return
       call prepare_rates(problem, rates)
       call prepare_forces(problem, model, forces)
@@ -434,19 +436,17 @@ contains
       end do
    end subroutine inertia_at_crank
 
-   !> A problem that solves everything at equal steps of a turn; `failure` of the cycle is set where it does not close.
-   subroutine prepare_turn(given, dimensions, points, problem, input, cycle_of)
+   !> A problem that solves everything at the steps of the crank; `failure` of the cycle is set where it does not close.
+   subroutine prepare_turn(given, dimensions, problem, input, cycle_of)
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
-      integer, intent(in) :: points
       class(problem_t), allocatable, intent(out) :: problem
       real(wp), intent(out) :: input(:)          !! shape (points): degrees
-      type(link_cycle_t), intent(inout) :: cycle_of
+      type(link_cycle_t), intent(inout) :: cycle_of !! with its crank
       type(motion_t) :: motion
-      integer :: i
 
       allocate (problem, source=given)
-      call problem%set_inputs([(cycle_of%sense*full_turn*real(i - 1, wp)/real(points, wp), i=1, points)])
+      call problem%set_inputs(cycle_of%crank%input)
       call problem%want_derivatives(.true., vertices_of(problem%mechanism))
       call problem%analyse(dimensions, motion)
       input = motion%input

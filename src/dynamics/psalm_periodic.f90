@@ -19,6 +19,7 @@ module psalm_periodic
       procedure :: values          !! at equally spaced places
       procedure :: at              !! at any place
       procedure :: derivative
+      procedure :: integral        !! without the part of the mean; its own mean is 0
       procedure :: scaled
       procedure :: trimmed         !! without the highest harmonics that do not count
       procedure :: plus
@@ -137,6 +138,18 @@ contains
          d%c(n) = self%c(n)*cmplx(0.0_wp, real(n, wp), wp)**order
       end do
    end function derivative
+
+   !> The integral of f less its mean, of mean 0.
+   pure function integral(self) result(f)
+      class(periodic_t), intent(in) :: self
+      type(periodic_t) :: f
+      integer :: n
+
+      allocate (f%c(0:ubound(self%c, 1)), source=(0.0_wp, 0.0_wp))
+      do n = 1, ubound(self%c, 1)
+         f%c(n) = self%c(n)/cmplx(0.0_wp, real(n, wp), wp)
+      end do
+   end function integral
 
    elemental function scaled(self, factor) result(f)
       class(periodic_t), intent(in) :: self

@@ -8,8 +8,8 @@ module psalm_certificate
    use psalm_kinds, only: wp
    use psalm_krawczyk, only: examine
    use psalm_krawczyk_extended, only: examine_extended => examine
-   use psalm_leg_problem, only: at_a, at_ah, at_b, at_bh, at_x, at_xh, at_y, at_yh, kind_pose, kind_timed, leg_problem_t, &
-                                most_points, variables
+   use psalm_leg_problem, only: at_a, at_ah, at_b, at_bh, at_x, at_xh, at_y, at_yh, kind_pose, kind_rate, kind_timed, &
+                                leg_problem_t, most_order, most_points, variables
    use psalm_product_sums, only: product_sums_t
    use psalm_quad, only: qp, exp, unit_vector_quad
    implicit none (type, external)
@@ -48,18 +48,22 @@ contains
 
    !> Examine solutions of a problem of two legs, from the first point. With `orbits`, nine points, each stands for all that
    !> exchange of the legs and cognates make of it.
-   subroutine certify_legs(problem, points, degrees, pivots, solutions, turns, partners, likely_real, orbits, certificate)
+   subroutine certify_legs(problem, points, degrees, pivots, solutions, turns, partners, likely_real, orbits, certificate, &
+                           curvatures)
       type(leg_problem_t), intent(in) :: problem
-      complex(wp), intent(in) :: points(0:)          !! shape (0:problem%points), as given
-      real(wp), intent(in) :: degrees(0:)            !! likewise: of poses the orientation, of timed points the crank angle
+      complex(wp), intent(in) :: points(0:)          !! shape (0:problem%points), as given; of terms along the path not used
+      real(wp), intent(in) :: degrees(0:)            !! likewise: of poses the orientation, of timed points the crank angle, of
+                                                     !! terms along the path the direction of the tangent
       complex(wp), intent(in) :: pivots(2)           !! the fixed ones as given, if they are
       complex(wp), intent(in) :: solutions(:, :)     !! shape (variables, count)
       complex(wp), intent(in) :: turns(:, :), partners(:, :) !! g and gh, shape (points, count)
       logical, intent(in) :: likely_real(:)          !! shape (count)
       logical, intent(in) :: orbits
       type(certificate_t), intent(out) :: certificate
+      real(wp), intent(in), optional :: curvatures(0:) !! of terms along the path of second order
       type(product_sums_t) :: sums
       complex(qp) :: numbers(places)
+      real(qp) :: along, across
       complex(wp), allocatable :: starts(:, :)
       integer, allocatable :: unknown(:), keys(:)
       integer :: j, n
@@ -69,7 +73,13 @@ contains
       unknown = problem%free(:problem%unknowns)
       keys = unknown
       do j = 1, n
-         numbers(at_d + j) = cmplx(points(j), kind=qp) - cmplx(points(0), kind=qp)
+         if (problem%kind(j) == kind_rate) then
+            call unit_vector_quad(real(degrees(j), qp), along, across)
+            numbers(at_d + j) = cmplx(along, across, qp)
+            if (problem%order(j) > 1) numbers(at_d + j) = 0.5_qp*real(curvatures(j), qp)*cmplx(-across, along, qp)
+         else
+            numbers(at_d + j) = cmplx(points(j), kind=qp) - cmplx(points(0), kind=qp)
+         end if
          numbers(at_dh + j) = conjg(numbers(at_d + j))
          if (problem%kind(j) == kind_pose) call set_turn(real(degrees(j), qp) - real(degrees(0), qp), numbers(at_g + j), &
                                                          numbers(at_gh + j))
@@ -85,6 +95,9 @@ contains
       call sums%begin(places, unknown)
       do j = 1, n
          select case (problem%kind(j))
+         case (kind_rate)
+            call add_terms_along(problem, j, sums)
+            cycle
          case (kind_timed)
             call add_crank(at_x, at_a, at_g + j, at_f + j, at_d + j, sums)
             call add_crank(at_xh, at_ah, at_gh + j, at_fh + j, at_dh + j, sums)
@@ -259,6 +272,81 @@ contains
          call sums%add(-1, [d, dh])
       end associate
    end subroutine add_leg
+
+   !> The equations of a term along the path: both legs and the modulus of the coupler's turn.
+   subroutine add_terms_along(problem, j, sums)
+      type(leg_problem_t), intent(in) :: problem
+      integer, intent(in) :: j
+      type(product_sums_t), intent(inout) :: sums
+      integer :: i, m, chain(0:most_order)
+
+      m = problem%order(j)
+      chain = problem%chain(:, j)
+      call add_leg_term(at_x, chain(:m), sums)
+      if (problem%slides) then
+         call add_slide(j, sums)
+      else if (problem%differences) then
+         call sums%next_equation()
+         call sums%add(1, [at_ah, at_y, at_g + j])
+         call sums%add(1, [at_bh, at_x, at_g + j])
+         call sums%add(1, [at_bh, at_y, at_g + j])
+         call sums%add(1, [at_a, at_yh, at_gh + j])
+         call sums%add(1, [at_b, at_xh, at_gh + j])
+         call sums%add(1, [at_b, at_yh, at_gh + j])
+         call sums%add(1, [at_bh, at_d + j])
+         call sums%add(-1, [at_yh, at_d + j])
+         call sums%add(1, [at_b, at_dh + j])
+         call sums%add(-1, [at_y, at_dh + j])
+         call add_turned_back(at_y, chain(:m), sums)
+      else
+         call add_leg_term(at_y, chain(:m), sums)
+      end if
+      call sums%next_equation()
+      call sums%add(1, [at_g + j])
+      call sums%add(1, [at_gh + j])
+      do i = 0, m
+         if (min(chain(i), chain(m - i)) > 0) call sums%add(1, [at_g + chain(i), at_gh + chain(m - i)])
+      end do
+   end subroutine add_terms_along
+
+   !> The last term of the equation of a leg: as add_leg, products being sums over the terms.
+   subroutine add_leg_term(first, chain, sums)
+      integer, intent(in) :: first                   !! place of the leg's first number
+      integer, intent(in) :: chain(0:)               !! the terms, shape (0:order); 0: of the first point, which has none
+      type(product_sums_t), intent(inout) :: sums
+      integer :: i, m
+
+      m = ubound(chain, 1)
+      associate (x => first, xh => first + 1, a => first + 2, ah => first + 3, g => at_g + chain(m), gh => at_gh + chain(m), &
+                 d => at_d + chain(m), dh => at_dh + chain(m))
+         call sums%next_equation()
+         call sums%add(1, [ah, x, g])
+         call sums%add(1, [a, xh, gh])
+         call sums%add(1, [ah, d])
+         call sums%add(-1, [xh, d])
+         call sums%add(1, [a, dh])
+         call sums%add(-1, [x, dh])
+      end associate
+      call add_turned_back(first, chain, sums)
+      do i = 0, m
+         if (min(chain(i), chain(m - i)) > 0) call sums%add(-1, [at_d + chain(i), at_dh + chain(m - i)])
+      end do
+   end subroutine add_leg_term
+
+   !> -dh x g - d xh gh, products being sums over the terms.
+   subroutine add_turned_back(x, chain, sums)
+      integer, intent(in) :: x                       !! its place; xh is behind it
+      integer, intent(in) :: chain(0:)               !! shape (0:order)
+      type(product_sums_t), intent(inout) :: sums
+      integer :: i, m
+
+      m = ubound(chain, 1)
+      do i = 0, m
+         if (min(chain(i), chain(m - i)) == 0) cycle
+         call sums%add(-1, [at_dh + chain(i), x, at_g + chain(m - i)])
+         call sums%add(-1, [at_d + chain(i), x + 1, at_gh + chain(m - i)])
+      end do
+   end subroutine add_turned_back
 
    !> ah x g - k x + a xh gh - kh xh + ah d + a dh - square: a dyad's condition, whatever its numbers are derived from.
    subroutine add_condition(j, sums)

@@ -18,7 +18,8 @@ module psalm_generic
 
 contains
 
-   !> Solutions of the generic problem that the seed draws; after a stop not all of them.
+   !> Solutions of the generic problem that the seed draws; after a stop not all of them. Of a path alone one stands for its
+   !> cognates, too.
    subroutine generic_solutions(problem, expected, generic, stop)
       type(leg_problem_t), intent(in) :: problem
       integer, intent(in) :: expected                !! 0: not known
@@ -27,7 +28,7 @@ contains
 
       call load(problem, generic)
       if (expected > 0 .and. size(generic%solutions, 2) == expected) return
-      call solve_generic(problem, generic_seed, .false., expected, generic, stop)
+      call solve_generic(problem, generic_seed, problem%has_cognates(), expected, generic, stop)
    end subroutine generic_solutions
 
    !> Those that are kept, corrected; none if they are not there.

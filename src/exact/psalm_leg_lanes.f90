@@ -2,18 +2,19 @@
 !>
 !> A path leads straight from one problem to another: t = 1 to t = 0. The turns of the coupler are unknowns of their own, but each
 !> meets the equations of its point only: a combination of these that is free of them is left, as many rows as unknowns in the
-!> legs. Arrays have the lanes first; every lane has a t of its own.
+!> legs. A term along the path meets the turns of its point and of the terms before it besides: what their changes owe to the legs
+!> is put in their place. Arrays have the lanes first; every lane has a t of its own.
 module psalm_leg_lanes
    use psalm_kinds, only: wp
    use psalm_lane_elimination, only: lanes, eliminate
-   use psalm_leg_problem, only: leg_problem_t, leg_data_t, kind_point, kind_pose, kind_timed, variables, most_points, at_x, &
-                                 at_xh, &
-                                at_a, at_ah, at_y, at_yh, at_b, at_bh
+   use psalm_leg_problem, only: leg_problem_t, leg_data_t, kind_point, kind_pose, kind_rate, kind_timed, variables, most_order, &
+                                most_points, at_x, at_xh, at_a, at_ah, at_y, at_yh, at_b, at_bh
    implicit none (type, external)
    private
    public :: lanes, state_size, problem_path_t, work_t, linearise, solve_lanes, set_given
 
    integer, parameter :: state_size = variables + 2*most_points !! legs, then all g, then all gh
+   integer, parameter :: of_value = variables + 1, of_rate = variables + 2 !! behind what a change owes to the legs
 
    !> From one problem to another.
    type :: problem_path_t
@@ -31,8 +32,16 @@ module psalm_leg_lanes
       complex(wp) :: u(lanes, 3, most_points), w(lanes, 3, most_points), n(lanes, 3, most_points) !! by g and gh; across both
       complex(wp) :: value(lanes, 3, most_points), rate(lanes, 2, most_points) !! of the equations, and by t
       real(wp) :: scale(lanes, variables)            !! of the columns
+      complex(wp) :: dg(lanes, variables + 2, most_points), dgh(lanes, variables + 2, most_points) !! of terms along the path and
+                                                     !! their points: the change of g, by all numbers, of the correction and by t
       integer :: rows = 0
    end type work_t
+
+   !> Terms of the series at a point, in every lane.
+   type :: series_t
+      complex(wp), dimension(lanes, 0:most_order) :: g, gh, d, dh
+      complex(wp), dimension(0:most_order) :: dd = (0.0_wp, 0.0_wp), ddh = (0.0_wp, 0.0_wp) !! of d, dh by t
+   end type series_t
 
 contains
 
@@ -72,7 +81,10 @@ contains
             call linearise_pose(path, j, t, z, work)
          case (kind_timed)
             call linearise_timed(path, j, t, z, work)
+         case (kind_rate)
+            call linearise_term(path, j, t, z, work)
          end select
+         if (path%problem%continued(j) .and. path%problem%kind(j) /= kind_rate) call keep_changes(path, j, t, z, work)
       end do
    end subroutine linearise
 
@@ -297,6 +309,268 @@ contains
       end associate
    end subroutine linearise_timed
 
+   !> What the changes of a point's turns owe to the legs, for the terms along the path there.
+   pure subroutine keep_changes(path, j, t, z, work)
+      type(problem_path_t), intent(in) :: path
+      integer, intent(in) :: j
+      real(wp), intent(in) :: t(lanes)
+      complex(wp), intent(in) :: z(lanes, state_size)
+      type(work_t), intent(inout) :: work
+      complex(wp) :: equations(lanes, variables + 2, 3), by_t, turn(lanes)
+
+      select case (path%problem%kind(j))
+      case (kind_pose)
+         by_t = path%from%turn(j) - path%to%turn(j)
+         turn = exp(path%to%turn(j) + t*by_t)
+         work%dg(:, :, j) = (0.0_wp, 0.0_wp)
+         work%dgh(:, :, j) = (0.0_wp, 0.0_wp)
+         work%dg(:, of_rate, j) = by_t*turn
+         work%dgh(:, of_rate, j) = -by_t/turn
+      case (kind_timed)
+         work%dg(:, :, j) = (0.0_wp, 0.0_wp)
+         work%dgh(:, :, j) = (0.0_wp, 0.0_wp)
+         associate (x => z(:, at_x), xh => z(:, at_xh))
+            work%dg(:, at_x, j) = -work%leg_a(:, 1, j)/x
+            work%dg(:, at_a, j) = -work%leg_a(:, 3, j)/x
+            work%dg(:, of_value, j) = -work%value(:, 1, j)/x
+            work%dg(:, of_rate, j) = -work%rate(:, 1, j)/x
+            work%dgh(:, at_xh, j) = -work%leg_a(:, 2, j)/xh
+            work%dgh(:, at_ah, j) = -work%leg_a(:, 4, j)/xh
+            work%dgh(:, of_value, j) = -work%n(:, 1, j)/xh
+            work%dgh(:, of_rate, j) = -work%n(:, 2, j)/xh
+         end associate
+      case default
+         equations = (0.0_wp, 0.0_wp)
+         equations(:, :4, 1) = work%leg_a(:, :, j)
+         equations(:, :variables, 2) = work%leg_b(:, :, j)
+         equations(:, of_value, :) = work%value(:, :, j)
+         equations(:, of_rate, :2) = work%rate(:, :, j)
+         call resolve(equations, j, work)
+      end select
+   end subroutine keep_changes
+
+   !> The changes of g and gh by the rest of their three equations.
+   pure subroutine resolve(equations, j, work)
+      complex(wp), intent(in) :: equations(lanes, variables + 2, 3)
+      integer, intent(in) :: j
+      type(work_t), intent(inout) :: work
+      complex(wp), dimension(lanes) :: a1, a2, a3, b1, b2, b3 !! by the rests of the three equations
+      complex(wp) :: n1, n2, n3, u1, u2, u3, w1, w2, w3
+      real(wp) :: square
+      integer :: k, l
+
+      !$omp simd
+      do l = 1, lanes
+         n1 = work%n(l, 1, j)
+         n2 = work%n(l, 2, j)
+         n3 = work%n(l, 3, j)
+         square = -1.0_wp/max(real(n1, wp)**2 + aimag(n1)**2 + real(n2, wp)**2 + aimag(n2)**2 + real(n3, wp)**2 + &
+                              aimag(n3)**2, tiny(1.0_wp))
+         n1 = square*conjg(n1)
+         n2 = square*conjg(n2)
+         n3 = square*conjg(n3)
+         u1 = work%u(l, 1, j)
+         u2 = work%u(l, 2, j)
+         u3 = work%u(l, 3, j)
+         w1 = work%w(l, 1, j)
+         w2 = work%w(l, 2, j)
+         w3 = work%w(l, 3, j)
+         a1(l) = n3*w2 - n2*w3
+         a2(l) = n1*w3 - n3*w1
+         a3(l) = n2*w1 - n1*w2
+         b1(l) = n2*u3 - n3*u2
+         b2(l) = n3*u1 - n1*u3
+         b3(l) = n1*u2 - n2*u1
+      end do
+      do k = 1, variables + 2
+         !$omp simd
+         do l = 1, lanes
+            work%dg(l, k, j) = a1(l)*equations(l, k, 1) + a2(l)*equations(l, k, 2) + a3(l)*equations(l, k, 3)
+            work%dgh(l, k, j) = b1(l)*equations(l, k, 1) + b2(l)*equations(l, k, 2) + b3(l)*equations(l, k, 3)
+         end do
+      end do
+   end subroutine resolve
+
+   !> The terms at the point of a term along the path, up to its own.
+   pure subroutine series_of(path, j, t, z, series)
+      type(problem_path_t), intent(in) :: path
+      integer, intent(in) :: j
+      real(wp), intent(in) :: t(lanes)
+      complex(wp), intent(in) :: z(lanes, state_size)
+      type(series_t), intent(out) :: series
+      complex(wp) :: turn(lanes)
+      integer :: i
+
+      series%g = (0.0_wp, 0.0_wp)
+      series%gh = (0.0_wp, 0.0_wp)
+      series%d = (0.0_wp, 0.0_wp)
+      series%dh = (0.0_wp, 0.0_wp)
+      do i = 0, path%problem%order(j)
+         associate (own => path%problem%chain(i, j))
+            if (own == 0) cycle
+            if (path%problem%kind(own) == kind_pose) then
+               turn = exp(path%to%turn(own) + t*(path%from%turn(own) - path%to%turn(own)))
+               series%g(:, i) = turn - 1.0_wp
+               series%gh(:, i) = 1.0_wp/turn - 1.0_wp
+            else
+               series%g(:, i) = z(:, variables + own)
+               series%gh(:, i) = z(:, variables + most_points + own)
+            end if
+            series%dd(i) = path%from%d(own) - path%to%d(own)
+            series%ddh(i) = path%from%dh(own) - path%to%dh(own)
+            series%d(:, i) = path%to%d(own) + t*series%dd(i)
+            series%dh(:, i) = path%to%dh(own) + t*series%ddh(i)
+         end associate
+      end do
+   end subroutine series_of
+
+   !> The row of a term along the path: both legs and the modulus of the turn, combined so that neither g nor gh is left.
+   pure subroutine linearise_term(path, j, t, z, work)
+      type(problem_path_t), intent(in) :: path
+      integer, intent(in) :: j
+      real(wp), intent(in) :: t(lanes)
+      complex(wp), intent(in) :: z(lanes, state_size)
+      type(work_t), intent(inout) :: work
+      type(series_t) :: s
+      complex(wp) :: equations(lanes, variables + 2, 3), u(lanes, 2, most_order), w(lanes, 2, most_order) !! by turns i terms before
+      integer :: i, k, l, m
+
+      m = path%problem%order(j)
+      call series_of(path, j, t, z, s)
+      equations = (0.0_wp, 0.0_wp)
+      call leg_of_term(m, s, z(:, at_x), z(:, at_xh), z(:, at_a), z(:, at_ah), equations(:, :4, 1), &
+                       equations(:, of_value, 1), equations(:, of_rate, 1))
+      work%u(:, 1, j) = (z(:, at_ah) - s%dh(:, 0))*z(:, at_x)
+      work%w(:, 1, j) = (z(:, at_a) - s%d(:, 0))*z(:, at_xh)
+      do i = 1, m
+         u(:, 1, i) = -s%dh(:, i)*z(:, at_x)
+         w(:, 1, i) = -s%d(:, i)*z(:, at_xh)
+      end do
+      u(:, 2, :) = (0.0_wp, 0.0_wp)
+      w(:, 2, :) = (0.0_wp, 0.0_wp)
+      if (path%problem%slides) then
+         work%u(:, 2, j) = z(:, at_y)
+         work%w(:, 2, j) = -z(:, at_b)*z(:, at_yh)
+         equations(:, at_y, 2) = s%g(:, m)
+         equations(:, at_yh, 2) = -z(:, at_b)*s%gh(:, m)
+         equations(:, at_b, 2) = -(s%dh(:, m) + z(:, at_yh)*s%gh(:, m))
+         equations(:, of_value, 2) = s%d(:, m) + z(:, at_y)*s%g(:, m) + z(:, at_b)*equations(:, at_b, 2)
+         equations(:, of_rate, 2) = s%dd(m) - z(:, at_b)*s%ddh(m)
+      else
+         if (path%problem%differences) then
+            call difference_of_term(m, s, z, equations(:, :, 2), work%u(:, 2, j), work%w(:, 2, j))
+         else
+            call leg_of_term(m, s, z(:, at_y), z(:, at_yh), z(:, at_b), z(:, at_bh), equations(:, at_y:at_bh, 2), &
+                             equations(:, of_value, 2), equations(:, of_rate, 2))
+            work%u(:, 2, j) = (z(:, at_bh) - s%dh(:, 0))*z(:, at_y)
+            work%w(:, 2, j) = (z(:, at_b) - s%d(:, 0))*z(:, at_yh)
+         end if
+         do i = 1, m
+            u(:, 2, i) = -s%dh(:, i)*z(:, at_y)
+            w(:, 2, i) = -s%d(:, i)*z(:, at_yh)
+         end do
+      end if
+      work%u(:, 3, j) = s%gh(:, 0) + 1.0_wp
+      work%w(:, 3, j) = s%g(:, 0) + 1.0_wp
+      equations(:, of_value, 3) = s%g(:, m) + s%gh(:, m)
+      do i = 0, m
+         equations(:, of_value, 3) = equations(:, of_value, 3) + s%g(:, i)*s%gh(:, m - i)
+      end do
+      do i = 0, m - 1
+         associate (before => path%problem%chain(i, j))
+            if (before == 0) cycle
+            do k = 1, variables + 2
+               !$omp simd
+               do l = 1, lanes
+                  equations(l, k, 1) = equations(l, k, 1) + u(l, 1, m - i)*work%dg(l, k, before) + &
+                                       w(l, 1, m - i)*work%dgh(l, k, before)
+                  equations(l, k, 2) = equations(l, k, 2) + u(l, 2, m - i)*work%dg(l, k, before) + &
+                                       w(l, 2, m - i)*work%dgh(l, k, before)
+                  equations(l, k, 3) = equations(l, k, 3) + s%gh(l, m - i)*work%dg(l, k, before) + &
+                                       s%g(l, m - i)*work%dgh(l, k, before)
+               end do
+            end do
+         end associate
+      end do
+      associate (own_u => work%u(:, :, j), own_w => work%w(:, :, j))
+         work%n(:, 1, j) = own_u(:, 2)*own_w(:, 3) - own_u(:, 3)*own_w(:, 2)
+         work%n(:, 2, j) = own_u(:, 3)*own_w(:, 1) - own_u(:, 1)*own_w(:, 3)
+         work%n(:, 3, j) = own_u(:, 1)*own_w(:, 2) - own_u(:, 2)*own_w(:, 1)
+      end associate
+      call resolve(equations, j, work)
+      do k = 1, variables + 2
+         equations(:, k, 1) = work%n(:, 1, j)*equations(:, k, 1) + work%n(:, 2, j)*equations(:, k, 2) + &
+                              work%n(:, 3, j)*equations(:, k, 3)
+      end do
+      work%full = equations(:, :variables, 1)
+      work%right(:, 1) = -equations(:, of_value, 1)
+      work%right(:, 2) = -equations(:, of_rate, 1)
+      call put_row(path, work)
+   end subroutine linearise_term
+
+   !> A term along the path of the equation of a leg with two pins: by x, xh, a, ah, its value, and by t.
+   pure subroutine leg_of_term(m, s, x, xh, a, ah, row, value, rate)
+      integer, intent(in) :: m
+      type(series_t), intent(in) :: s
+      complex(wp), intent(in) :: x(lanes), xh(lanes), a(lanes), ah(lanes)
+      complex(wp), intent(out) :: row(lanes, 4), value(lanes), rate(lanes)
+      complex(wp) :: by_d(lanes), by_dh(lanes)
+      integer :: i
+
+      row(:, 1) = ah*s%g(:, m) - s%dh(:, m)
+      row(:, 2) = a*s%gh(:, m) - s%d(:, m)
+      row(:, 3) = xh*s%gh(:, m) + s%dh(:, m)
+      row(:, 4) = x*s%g(:, m) + s%d(:, m)
+      value = a*row(:, 3) + ah*row(:, 4) - xh*s%d(:, m) - x*s%dh(:, m)
+      rate = (0.0_wp, 0.0_wp)
+      do i = 0, m
+         row(:, 1) = row(:, 1) - s%dh(:, i)*s%g(:, m - i)
+         row(:, 2) = row(:, 2) - s%d(:, i)*s%gh(:, m - i)
+         by_dh = x*s%g(:, m - i) + s%d(:, m - i)
+         by_d = xh*s%gh(:, m - i) + s%dh(:, m - i)
+         value = value - s%dh(:, i)*by_dh - s%d(:, i)*xh*s%gh(:, m - i)
+         if (i == m) then
+            by_dh = by_dh + x - a
+            by_d = by_d + xh - ah
+         end if
+         rate = rate - s%ddh(i)*by_dh - s%dd(i)*by_d
+      end do
+   end subroutine leg_of_term
+
+   !> The same of leg b less leg a, by all numbers, with the derivatives by the turns of the same term.
+   pure subroutine difference_of_term(m, s, z, row, u, w)
+      integer, intent(in) :: m
+      type(series_t), intent(in) :: s
+      complex(wp), intent(in) :: z(lanes, state_size)
+      complex(wp), intent(inout) :: row(lanes, variables + 2)
+      complex(wp), intent(out) :: u(lanes), w(lanes)
+      complex(wp) :: y(lanes), yh(lanes)
+      integer :: i
+
+      y = z(:, at_x) + z(:, at_y)
+      yh = z(:, at_xh) + z(:, at_yh)
+      u = (z(:, at_ah) - s%dh(:, 0))*z(:, at_y) + z(:, at_bh)*y
+      w = (z(:, at_a) - s%d(:, 0))*z(:, at_yh) + z(:, at_b)*yh
+      row(:, at_x) = z(:, at_bh)*s%g(:, m)
+      row(:, at_xh) = z(:, at_b)*s%gh(:, m)
+      row(:, at_a) = z(:, at_yh)*s%gh(:, m)
+      row(:, at_ah) = z(:, at_y)*s%g(:, m)
+      row(:, at_y) = (z(:, at_ah) + z(:, at_bh))*s%g(:, m) - s%dh(:, m)
+      row(:, at_yh) = (z(:, at_a) + z(:, at_b))*s%gh(:, m) - s%d(:, m)
+      row(:, at_b) = yh*s%gh(:, m) + s%dh(:, m)
+      row(:, at_bh) = y*s%g(:, m) + s%d(:, m)
+      row(:, of_value) = (z(:, at_ah)*z(:, at_y) + z(:, at_bh)*y)*s%g(:, m) + &
+                         (z(:, at_a)*z(:, at_yh) + z(:, at_b)*yh)*s%gh(:, m) + &
+                         (z(:, at_bh) - z(:, at_yh))*s%d(:, m) + (z(:, at_b) - z(:, at_y))*s%dh(:, m)
+      row(:, of_rate) = s%ddh(m)*(z(:, at_b) - z(:, at_y)) + s%dd(m)*(z(:, at_bh) - z(:, at_yh))
+      do i = 0, m
+         row(:, at_y) = row(:, at_y) - s%dh(:, i)*s%g(:, m - i)
+         row(:, at_yh) = row(:, at_yh) - s%d(:, i)*s%gh(:, m - i)
+         row(:, of_value) = row(:, of_value) - s%dh(:, i)*z(:, at_y)*s%g(:, m - i) - s%d(:, i)*z(:, at_yh)*s%gh(:, m - i)
+         row(:, of_rate) = row(:, of_rate) - s%ddh(i)*z(:, at_y)*s%g(:, m - i) - s%dd(i)*z(:, at_yh)*s%gh(:, m - i)
+      end do
+   end subroutine difference_of_term
+
    !> Put a row into the matrix: given pivots go to the right, columns and row are scaled.
    pure subroutine put_row(path, work)
       type(problem_path_t), intent(in) :: path
@@ -364,7 +638,7 @@ contains
             step(l, k) = work%scale(l, k)*cmplx(work%mr(l, n + 1, c), work%mi(l, n + 1, c), wp)
          end do
       end do
-      call turns_back(path, t, z, work, work%value, step, largest)
+      call turns_back(path, t, z, work, work%value, of_value, step, largest)
       size_of_step = largest
       if (.not. tangents) return
       do k = 1, variables
@@ -382,21 +656,22 @@ contains
          work%value(:, 3, j) = (0.0_wp, 0.0_wp)
          if (path%problem%kind(j) == kind_timed) work%n(:, 1, j) = work%n(:, 2, j)
       end do
-      call turns_back(path, t, z, work, work%value, tangent, largest)
+      call turns_back(path, t, z, work, work%value, of_rate, tangent, largest)
    end subroutine solve_lanes
 
    !> Changes of the turns that belong to changes of the legs; `largest` grows to their relative sizes.
-   pure subroutine turns_back(path, t, z, work, value, change, largest)
+   pure subroutine turns_back(path, t, z, work, value, side, change, largest)
       type(problem_path_t), intent(in) :: path
       real(wp), intent(in) :: t(lanes)
       complex(wp), intent(in) :: z(lanes, state_size), value(lanes, 3, most_points)
       type(work_t), intent(in) :: work
+      integer, intent(in) :: side                    !! of_value or of_rate
       complex(wp), intent(inout) :: change(lanes, state_size)
       real(wp), intent(inout) :: largest(lanes)
       complex(wp) :: r1, r2, r3, u1, u2, u3, w1, w2, w3, n1, n2, n3, turn, by_t
       real(wp) :: square
       real(wp) :: squares(lanes)
-      integer :: j, l, at_g, at_gh
+      integer :: j, k, l, at_g, at_gh
 
       squares = 0.0_wp
       do j = 1, path%problem%points
@@ -419,6 +694,16 @@ contains
                                    work%leg_a(l, 3, j)*change(l, at_a))/z(l, at_x)
                change(l, at_gh) = -(work%n(l, 1, j) + work%leg_a(l, 2, j)*change(l, at_xh) + &
                                     work%leg_a(l, 4, j)*change(l, at_ah))/z(l, at_xh)
+            end do
+         case (kind_rate)
+            change(:, at_g) = work%dg(:, side, j)
+            change(:, at_gh) = work%dgh(:, side, j)
+            do k = 1, variables
+               !$omp simd
+               do l = 1, lanes
+                  change(l, at_g) = change(l, at_g) + work%dg(l, k, j)*change(l, k)
+                  change(l, at_gh) = change(l, at_gh) + work%dgh(l, k, j)*change(l, k)
+               end do
             end do
          case default
             !$omp simd

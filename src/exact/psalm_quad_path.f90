@@ -7,8 +7,8 @@ module psalm_quad_path
    use psalm_elementary, only: fractional_power
    use psalm_kinds, only: wp
    use psalm_leg_lanes, only: problem_path_t
-   use psalm_leg_problem, only: at_a, at_ah, at_b, at_bh, at_x, at_xh, at_y, at_yh, kind_pose, kind_timed, leg_data_t, &
-                                most_points, turns_of, variables
+   use psalm_leg_problem, only: at_a, at_ah, at_b, at_bh, at_x, at_xh, at_y, at_yh, kind_pose, kind_rate, kind_timed, &
+                                leg_data_t, most_order, most_points, turns_of, variables
    use psalm_quad, only: qp, abs, exp
    implicit none (type, external)
    private
@@ -217,13 +217,14 @@ contains
       type(tracking_state_t), intent(out) :: tangent
       real(qp), intent(out) :: size_of_step
       complex(qp), allocatable :: block(:, :, :)     ! large: it would fill a small stack
+      complex(qp), allocatable :: owed(:, :, :)      ! of terms along the path and their points: changes of g, gh by the others
       complex(qp) :: m(variables + 2, variables), row(columns)
       complex(qp) :: by_t, turn, sides(2), factor
       complex(qp) :: dv(variables, 2), dg(2), dgh(2)
       real(qp) :: scale(variables), largest
       integer :: count_of(most_points), n, rows, i, j, k, p
 
-      allocate (block(columns, most_equations, most_points))
+      allocate (block(columns, most_equations, most_points), owed(columns, 2, most_points))
       associate (problem => path%problem)
          n = problem%unknowns
          do k = 1, variables
@@ -240,7 +241,12 @@ contains
                z%g(j) = turn - 1.0_qp
                z%gh(j) = 1.0_qp/turn - 1.0_qp
             end if
-            call equations_of(path, j, t, z, block(:, :, j), count_of(j))
+            if (problem%kind(j) == kind_rate) then
+               call equations_of_term(path, j, t, z, owed, block(:, :, j))
+               count_of(j) = 3
+            else
+               call equations_of(path, j, t, z, block(:, :, j), count_of(j))
+            end if
             ! turns first: each is in the equations of its point only
             p = 0
             if (problem%kind(j) /= kind_pose) p = 2
@@ -256,6 +262,15 @@ contains
                   block(k, i, j) = (0.0_qp, 0.0_qp)
                end do
             end do
+            if (problem%continued(j)) then
+               owed(:, :, j) = (0.0_qp, 0.0_qp)
+               if (p == 0) then
+                  owed(of_rate, :, j) = [by_t*turn, -by_t/turn]
+               else
+                  owed(3:, 2, j) = -block(3:, 2, j)/block(of_gh, 2, j)
+                  owed(3:, 1, j) = -(block(3:, 1, j) + block(of_gh, 1, j)*owed(3:, 2, j))/block(of_g, 1, j)
+               end if
+            end if
             do i = p + 1, count_of(j)
                rows = rows + 1
                m(:n, rows) = block(2 + problem%free(:n), i, j)*scale(problem%free(:n))
@@ -397,6 +412,108 @@ contains
          end if
       end associate
    end subroutine equations_of
+
+   !> The equations of a term along the path, the changes of the terms before it put in.
+   pure subroutine equations_of_term(path, j, t, z, owed, block)
+      type(problem_path_t), intent(in) :: path
+      integer, intent(in) :: j
+      real(qp), intent(in) :: t
+      type(tracking_state_t), intent(in) :: z
+      complex(qp), intent(in) :: owed(columns, 2, most_points)
+      complex(qp), intent(out) :: block(columns, most_equations)
+      complex(qp), dimension(0:most_order) :: g, gh, d, dh, dd, ddh
+      complex(qp) :: factor_g(3), factor_gh(3)
+      integer, parameter :: legs = 2
+      integer :: i, k, m
+
+      m = path%problem%order(j)
+      g = (0.0_qp, 0.0_qp)
+      gh = g
+      d = g
+      dh = g
+      dd = g
+      ddh = g
+      do i = 0, m
+         associate (own => path%problem%chain(i, j))
+            if (own == 0) cycle
+            g(i) = z%g(own)
+            gh(i) = z%gh(own)
+            dd(i) = cmplx(path%from%d(own), kind=qp) - cmplx(path%to%d(own), kind=qp)
+            ddh(i) = cmplx(path%from%dh(own), kind=qp) - cmplx(path%to%dh(own), kind=qp)
+            d(i) = cmplx(path%to%d(own), kind=qp) + t*dd(i)
+            dh(i) = cmplx(path%to%dh(own), kind=qp) + t*ddh(i)
+         end associate
+      end do
+      block = (0.0_qp, 0.0_qp)
+      call term_of_leg(z%v(at_x:at_ah), at_x, g(:m), gh(:m), d(:m), dh(:m), dd(:m), ddh(:m), block(:, 1))
+      associate (x => z%v(at_x), xh => z%v(at_xh), a => z%v(at_a), ah => z%v(at_ah), y => z%v(at_y), yh => z%v(at_yh), &
+                 b => z%v(at_b), bh => z%v(at_bh))
+         if (path%problem%slides) then
+            block(of_g, 2) = y
+            block(of_gh, 2) = -b*yh
+            block(legs + at_y, 2) = g(m)
+            block(legs + at_yh, 2) = -b*gh(m)
+            block(legs + at_b, 2) = -(yh*gh(m) + dh(m))
+            block(of_value, 2) = d(m) + y*g(m) - b*(yh*gh(m) + dh(m))
+            block(of_rate, 2) = dd(m) - b*ddh(m)
+         else if (path%problem%differences) then
+            ! leg b less leg a
+            block(of_g, 2) = (ah - dh(0))*y + bh*(x + y)
+            block(of_gh, 2) = (a - d(0))*yh + b*(xh + yh)
+            block(legs + at_x, 2) = bh*g(m)
+            block(legs + at_xh, 2) = b*gh(m)
+            block(legs + at_a, 2) = yh*gh(m)
+            block(legs + at_ah, 2) = y*g(m)
+            block(legs + at_y, 2) = (ah + bh)*g(m) - dh(m) - sum(dh(:m)*g(m:0:-1))
+            block(legs + at_yh, 2) = (a + b)*gh(m) - d(m) - sum(d(:m)*gh(m:0:-1))
+            block(legs + at_b, 2) = (xh + yh)*gh(m) + dh(m)
+            block(legs + at_bh, 2) = (x + y)*g(m) + d(m)
+            block(of_value, 2) = (ah*y + bh*(x + y))*g(m) + (a*yh + b*(xh + yh))*gh(m) + (bh - yh)*d(m) + (b - y)*dh(m) - &
+                                 y*sum(dh(:m)*g(m:0:-1)) - yh*sum(d(:m)*gh(m:0:-1))
+            block(of_rate, 2) = (b - y)*ddh(m) + (bh - yh)*dd(m) - y*sum(ddh(:m)*g(m:0:-1)) - yh*sum(dd(:m)*gh(m:0:-1))
+         else
+            call term_of_leg(z%v(at_y:at_bh), at_y, g(:m), gh(:m), d(:m), dh(:m), dd(:m), ddh(:m), block(:, 2))
+         end if
+         block(of_g, 3) = 1.0_qp + gh(0)
+         block(of_gh, 3) = 1.0_qp + g(0)
+         block(of_value, 3) = g(m) + gh(m) + sum(g(:m)*gh(m:0:-1))
+         do i = 0, m - 1
+            associate (before => path%problem%chain(i, j))
+               if (before == 0) cycle
+               factor_g = [-dh(m - i)*x, (0.0_qp, 0.0_qp), gh(m - i)]
+               factor_gh = [-d(m - i)*xh, (0.0_qp, 0.0_qp), g(m - i)]
+               if (.not. path%problem%slides) then
+                  factor_g(2) = -dh(m - i)*y
+                  factor_gh(2) = -d(m - i)*yh
+               end if
+               do k = 1, 3
+                  block(3:, k) = block(3:, k) + factor_g(k)*owed(3:, 1, before) + factor_gh(k)*owed(3:, 2, before)
+               end do
+            end associate
+         end do
+      end associate
+   end subroutine equations_of_term
+
+   !> A term along the path of the equation of a leg with two pins, whose numbers begin at a place of the unknowns.
+   pure subroutine term_of_leg(leg, first, g, gh, d, dh, dd, ddh, row)
+      complex(qp), intent(in) :: leg(4)
+      integer, intent(in) :: first
+      complex(qp), intent(in) :: g(0:), gh(0:), d(0:), dh(0:), dd(0:), ddh(0:) !! shapes (0:order)
+      complex(qp), intent(inout) :: row(columns)
+      integer :: m
+
+      m = ubound(g, 1)
+      associate (x => leg(1), xh => leg(2), a => leg(3), ah => leg(4))
+         row(of_g) = (ah - dh(0))*x
+         row(of_gh) = (a - d(0))*xh
+         row(2 + first:5 + first) = [ah*g(m) - dh(m) - sum(dh*g(m:0:-1)), a*gh(m) - d(m) - sum(d*gh(m:0:-1)), &
+                                     xh*gh(m) + dh(m), x*g(m) + d(m)]
+         row(of_value) = ah*x*g(m) + a*xh*gh(m) + (ah - xh)*d(m) + (a - x)*dh(m) - x*sum(dh*g(m:0:-1)) - &
+                         xh*sum(d*gh(m:0:-1)) - sum(d*dh(m:0:-1))
+         row(of_rate) = (a - x)*ddh(m) + (ah - xh)*dd(m) - x*sum(ddh*g(m:0:-1)) - xh*sum(dd*gh(m:0:-1)) - &
+                        sum(dd*dh(m:0:-1)) - sum(d*ddh(m:0:-1))
+      end associate
+   end subroutine term_of_leg
 
    !> The equation of a leg with two pins, whose numbers begin at a place of the unknowns.
    pure subroutine leg_equation(d, dh, dd, ddh, g, gh, leg, first, row)

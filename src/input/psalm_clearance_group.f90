@@ -24,6 +24,7 @@ module psalm_clearance_group
       type(place_t) :: joint                   !! CLINK, CLOOP: the end of an arc that is the joint; of a sketch CNAME
       real(wp) :: diametral = 0.0_wp           !! CDIAM: diametral clearance, user's length
       real(wp) :: restitution = 0.0_wp         !! CREST
+      real(wp) :: frequency = 0.0_wp           !! CFREQ: rad/s
       integer :: counted = losses_any          !! CLOSS: the losses that the exit status and the critical speed are about
       real(wp) :: begin = 0.0_wp               !! CBEGIN: input at which following begins, degrees from the reference position
       logical :: begins = .false.              !! it is given; else following begins where the load is largest
@@ -54,6 +55,10 @@ module psalm_clearance_group
       rule_t('CREST', a_number, '', '', '0', '[0,1]', &
              'coefficient of restitution', &
              'must lie between 0 and 1'), &
+      rule_t('CFREQ', a_number, '', 'rad/s', '0', '[0,)', &
+             'lowest natural frequency of the links that the force of the joint bends or stretches; the listing says what '// &
+             'a pulse of that force does to them', &
+             'must not be negative (0: nothing is said of elastic links)'), &
       rule_t('CLOSS', a_word, '', '', 'ANY', 'ANY PASSAGE', &
              'losses that count for the exit status and the critical speed: ''ANY'', or ''PASSAGE'', those in the '// &
              'passage, which measurements confirm; a load that passes through zero always counts'), &
@@ -95,6 +100,7 @@ contains
       clearance%joint = places(1)
       call take(group, 'CDIAM', clearance%diametral, findings)
       call take(group, 'CREST', clearance%restitution, findings)
+      call take(group, 'CFREQ', clearance%frequency, findings)
       call take(group, 'CLOSS', clearance%counted, findings)
       call take(group, 'CBEGIN', clearance%begin, findings)
       clearance%begins = group%given('CBEGIN')

@@ -932,7 +932,8 @@ contains
       set%others = others%content()
    end subroutine keep_others
 
-   !> True if the program reads the group of this case: forces for clearances on the side of their load as well.
+   !> True if the program reads the group of this case: forces for clearances on the side of their load as well, the motor for
+   !> its steady cycle.
    pure logical function reads_of(case, program, group)
       type(case_text_t), intent(in) :: case
       character(*), intent(in) :: program, group
@@ -940,6 +941,8 @@ contains
       integer :: i
 
       reads_of = program_reads(program, group)
+      if (group == 'MOTOR' .and. program_reads(program, 'CYCLE')) &
+         reads_of = reads_of .or. any(case%groups(:case%count)%name == 'CYCLE')
       if (reads_of .or. .not. program_reads(program, 'ALLOC') .or. all(of_forces /= group)) return
       do i = 1, case%count
          if (case%groups(i)%name == 'ALLOC') &

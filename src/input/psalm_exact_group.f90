@@ -50,6 +50,7 @@ module psalm_exact_group
       real(wp) :: swing_out = 90.0_wp                !! DPSI, degrees; of a slider its travel
       real(wp), allocatable :: phi(:), psi(:)        !! PHI, PSI, degrees; of a slider PSI is its travel
       real(wp), allocatable :: slope(:), curvature(:) !! SLOPE, CURV, shape (entries): derivatives of PSI by PHI
+      real(wp), allocatable :: tangent(:), bend(:)   !! TANP, degrees, CURVP, shape (points): of the path at the points
       real(wp), allocatable :: pole_x(:), pole_y(:)  !! XPOLE, YPOLE, shape (points): about what the body turns in a pose
       real(wp) :: zero_in = not_given, zero_out = not_given !! PHI0, PSI0, degrees
       real(wp) :: frame = 1.0_wp                     !! FRAME: length of a four-bar's frame
@@ -74,6 +75,7 @@ module psalm_exact_group
       procedure :: read => read_exact
       procedure :: wants_every_six_bar
       procedure :: points_determined
+      procedure :: has_tangents
    end type exact_group_t
 
    !> The items of the group.
@@ -94,6 +96,12 @@ module psalm_exact_group
              'its y'), &
       rule_t('TIMP', a_number, 'n', 'degrees', '', '', &
              'angle of the crank at each point; a point without one is untimed'), &
+      rule_t('TANP', a_number, 'n', 'degrees', '', '', &
+             '''PATH'': direction of the path at a point, in either sense, met exactly too; it counts as a point. Points '// &
+             'without one are left out (`,,`)'), &
+      rule_t('CURVP', a_number, 'n', '1/length', '', '', &
+             '''PATH'': curvature of the path there, at a point with TANP; it counts as one more. Above 0: to the left of '// &
+             'that direction'), &
       rule_t('PIVOTS', a_number, '4', 'length', 'free', '', &
              'x, y of the crank''s fixed pivot, x, y of the follower''s; `PIVOTS=0.0,0.0` gives the first alone. Of a '// &
              'six-bar the third fixed pivot, from A on the line to B: of Stephenson III it counts as given, of Watt II '// &
@@ -187,6 +195,14 @@ contains
       is_missing = value <= 0.5_wp*not_given
    end function is_missing
 
+   !> True if directions of the path are given.
+   pure logical function has_tangents(self)
+      class(exact_group_t), intent(in) :: self
+
+      has_tangents = allocated(self%tangent)
+      if (has_tangents) has_tangents = any(.not. is_missing(self%tangent))
+   end function has_tangents
+
    !> Read the group EXACT. Errors: a kind that is not there, too few values, numbers out of range.
    subroutine read_exact_group(group, exact, findings)
       type(group_t), intent(inout) :: group
@@ -226,8 +242,8 @@ contains
       type(exact_group_t), intent(inout) :: exact
       type(diagnostics_t), intent(inout) :: findings
       real(wp) :: x(most_points), y(most_points), angle(most_points), time(most_points)
-      real(wp) :: pole_x(most_points), pole_y(most_points)
-      integer :: n, last(4), of_poles(2), i
+      real(wp) :: pole_x(most_points), pole_y(most_points), tangent(most_points), bend(most_points)
+      integer :: n, last(4), of_poles(2), of_path(2), i
 
       x = not_given
       y = not_given
@@ -241,7 +257,13 @@ contains
       pole_y = not_given
       call take(group, 'XPOLE', pole_x, findings, last=of_poles(1))
       call take(group, 'YPOLE', pole_y, findings, last=of_poles(2))
+      tangent = not_given
+      bend = not_given
+      call take(group, 'TANP', tangent, findings, last=of_path(1))
+      call take(group, 'CURVP', bend, findings, last=of_path(2))
       n = last(1)
+      exact%tangent = tangent(:n)
+      exact%bend = bend(:n)
       exact%pole_x = pole_x(:n)
       exact%pole_y = pole_y(:n)
       exact%x = x(:n)
@@ -251,6 +273,8 @@ contains
       if (.not. exact%given) return
       if (maxval(of_poles) > 0 .and. exact%kind /= kind_motion) call out_of(group, trim(merge('XPOLE', 'YPOLE', &
          of_poles(1) > 0)), "is for poses of a body: KIND='MOTION'", findings)
+      if (maxval(of_path) > 0 .and. exact%kind /= kind_path) call out_of(group, trim(merge('TANP ', 'CURVP', of_path(1) > 0)), &
+         "is for points of a path: KIND='PATH', where points may have orientations (ANGP) too", findings)
       if (exact%kind == kind_function) return
       if (.not. group%given('XP')) then
          call required(group, 'XP')
@@ -267,6 +291,13 @@ contains
          if (i > 0) call out_of(group, 'ANGP', "KIND='MOTION' needs an orientation for every point; point "//to_text(i)// &
                                 " has none (KIND='PATH' has points with and without)", findings)
       end if
+      if (maxval(of_path) > n) call out_of(group, trim(merge('TANP ', 'CURVP', of_path(1) > n)), 'XP has '//to_text(n)// &
+                                           ' values only', findings, n + 1)
+      i = findloc(is_missing(exact%tangent) .and. .not. is_missing(exact%bend), .true., dim=1)
+      if (i > 0) call out_of(group, 'CURVP', 'point '//to_text(i)//' has a curvature, but no direction (TANP)', findings, i)
+      if (maxval(of_path) > 0 .and. any(.not. is_missing(exact%angle(2:))) .and. any(.not. is_missing(exact%time(2:)))) &
+         call out_of(group, 'TANP', 'directions are met with orientations (ANGP) or with crank angles (TIMP), not with both', &
+                     findings)
       if (maxval(of_poles) > n) call out_of(group, merge('XPOLE', 'YPOLE', of_poles(1) > n), 'XP has '//to_text(n)// &
                                             ' values only', findings, n + 1)
       i = findloc(is_missing(exact%pole_x) .neqv. is_missing(exact%pole_y), .true., dim=1)
@@ -276,8 +307,8 @@ contains
       i = 1 + findloc(.not. (is_missing(exact%angle(2:)) .or. is_missing(exact%time(2:))), .true., dim=1)
       if (i > 1) call out_of(group, 'TIMP', 'point '//to_text(i)//' has an orientation and a crank angle; one of both is '// &
                              'possible', findings)
-      if (n > most_exact_points .and. (exact%kind /= kind_path .or. max(last(3), last(4)) > 0 .or. group%given('PIVOTS') .or. &
-                                       group%given('SLIDER'))) call out_of(group, 'XP', &
+      if (n > most_exact_points .and. (exact%kind /= kind_path .or. max(last(3), last(4)) > 0 .or. maxval(of_path) > 0 .or. &
+                                       group%given('PIVOTS') .or. group%given('SLIDER'))) call out_of(group, 'XP', &
          'more than 9 points are possible for a four-bar with points only (its linkages pass nine of them exactly)', findings, n)
       if (n < 2) return
       if (any(.not. is_missing(exact%angle(2:))) .and. is_missing(exact%angle(1))) call out_of(group, 'ANGP', &

@@ -33,6 +33,7 @@ module psalm_group_table
       known_group_t('SPRING', 'kalm balm ssics muscle calm bridge'), &
       known_group_t('FRICTN', 'kalm balm ssics muscle calm bridge'), &
       known_group_t('MOTOR', 'kalm balm'), &
+      known_group_t('CYCLE', 'balm ssics muscle bridge'), &
       known_group_t('TIME', 'kalm balm'), &
       known_group_t('STOPS', 'kalm balm'), &
       known_group_t('VIBR', 'balm ssics'), &

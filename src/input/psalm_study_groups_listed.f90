@@ -4,6 +4,7 @@ submodule(psalm_study_groups) psalm_study_groups_listed
    use psalm_balance_group, only: balance_group_t
    use psalm_cam_group, only: cam_section_t
    use psalm_clearance_group, only: clearance_group_t
+   use psalm_cycle_group, only: cycle_group_t
    use psalm_drive_group, only: drive_group_t, hill_group_t
    use psalm_dxf_group, only: dxf_group_t
    use psalm_exact_group, only: exact_group_t
@@ -21,10 +22,10 @@ submodule(psalm_study_groups) psalm_study_groups_listed
 contains
 
    module procedure study_groups
-      allocate (sections(19))
+      allocate (sections(20))
       sections%name = [character(len(sections%name)) :: 'MOTOR', 'VIBR', 'ESTIM', 'DRIVEL', 'HILL', 'BALANC', 'CAM', 'SPRNGS', &
                        'CLEAR', 'CAM2', 'EXACT', 'DXF', 'SWEEP', 'KINDS', 'ALLOC', 'TIME', 'STOPS', &
-                       'PLATES', 'FLEX']
+                       'PLATES', 'FLEX', 'CYCLE']
       allocate (motor_group_t :: sections(1)%group)
       allocate (vibration_group_t :: sections(2)%group)
       allocate (estimate_group_t :: sections(3)%group)
@@ -44,5 +45,6 @@ contains
       allocate (stops_group_t :: sections(17)%group)
       allocate (plate_group_t :: sections(18)%group)
       allocate (flex_group_t :: sections(19)%group)
+      allocate (cycle_group_t :: sections(20)%group)
    end procedure study_groups
 end submodule psalm_study_groups_listed

@@ -24,6 +24,7 @@ module psalm_least_squares
    integer, parameter :: between_questions = 8       !! iterations until it is asked again whether the search is to stop
    integer, parameter :: weights = 6                 !! weights of the violations tried, each 100 times the one before
    real(wp), parameter :: weight_step = 100.0_wp
+   real(wp), parameter :: loose = 1.0e-5_wp          !! least gain at the first weight where the search is hasty
    integer, parameter :: most_idle = 4               !! steps of too small a gain in a row that end the search
    real(wp), parameter :: slow_gain = 0.1_wp         !! relative gain of a step below which second derivatives are believed
    real(wp), parameter :: least_angle = 1.0e-6_wp    !! cosine below which a step teaches nothing about them
@@ -48,7 +49,7 @@ contains
       type(ending_t), intent(out) :: ending
       class(observer_t), intent(inout), optional :: observer
       type(search_state_t) :: state
-      real(wp) :: weight, violation
+      real(wp) :: weight, violation, gain
       integer :: round, last
 
       ending%reason = stop_refused
@@ -63,8 +64,15 @@ contains
       weight = max(ending%objective, problem%small)
       state%limit = weights
       do round = 1, weights
-         call descend(problem, self%equations, x, weight, self%least_gain, last, stop, ending%reason)
+         ! what violates constraints by the first weight may lie in a long flat valley, which the next leaves anyway
+         gain = self%least_gain
+         if (self%hasty .and. round == 1) gain = max(gain, loose)
+         call descend(problem, self%equations, x, weight, gain, last, stop, ending%reason)
          call problem%accept(x, ending%objective, ending%feasible)
+         if (ending%feasible .and. gain > self%least_gain) then
+            call descend(problem, self%equations, x, weight, self%least_gain, last, stop, ending%reason)
+            call problem%accept(x, ending%objective, ending%feasible)
+         end if
          if (present(observer)) then
             state%iteration = round
             state%evaluations = problem%evaluations

@@ -271,7 +271,7 @@ contains
       left = candidates%feasible
       leader = 0
       if (self%refines .and. .not. stop%waiting()) then
-         call refine_all(team, best, .true., stop, candidates)
+         call refine_all(team, best, .false., stop, candidates)
          leader = minloc(candidates%objective, dim=1, mask=left)
          ! what differed may have become one: others are searched on in its place, to the end if they still differ when settled
          do round = 1, most_refinements

@@ -46,6 +46,7 @@ module psalm_solver
    type, abstract :: solver_t
       integer :: most_evaluations = 0   !! of one call; 0: as many as is usual
       real(wp) :: least_gain = 1.0e-9_wp !! relative gain of a step below which it is one of the last
+      logical :: hasty = .false.        !! where violations are weighed: the first weight is not followed to the end
       integer :: seed = 1               !! of algorithms that draw random numbers
    contains
       procedure(minimise_i), deferred :: minimise

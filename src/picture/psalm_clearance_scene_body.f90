@@ -3,7 +3,7 @@ submodule(psalm_clearance_scene) psalm_clearance_scene_body
    use psalm_clearance_group, only: clearance_group_t, clearance_of
    use psalm_clearance_study, only: clearance_study_t, check_clearance, find_clearance
    use psalm_error, only: problem_t, make_problem
-   use psalm_kinds, only: full_turn, radians_per_degree
+   use psalm_kinds, only: full_turn, pi, radians_per_degree
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
 
@@ -35,12 +35,15 @@ contains
       n = size(study%input)
       allocate (scene%pin(2, size(sweep)), scene%load(2, size(sweep)), scene%force(size(sweep)))
       do i = 1, size(sweep)
-         place = real(n, wp)*modulo(study%load%sense*(sweep(i) - study%input(1)), full_turn)/full_turn
+         place = real(n, wp)*modulo(study%crank%sense*(sweep(i) - study%input(1)), full_turn)/full_turn
+         if (study%crank%varies) place = real(n, wp)*modulo(study%crank%time_of(sweep(i)) - &
+                                                            study%crank%time_of(study%input(1)), 2.0_wp*pi)/(2.0_wp*pi)
          call between(place)
          scene%force(i) = study%force(k) + part*(study%force(next) - study%force(k))
          scene%pin(:, i) = (1.0_wp - part)*direction(study%pin(k)) + part*direction(study%pin(next))
          scene%pin(:, i) = scene%pin(:, i)/max(norm2(scene%pin(:, i)), tiny(1.0_wp))
-         place = real(n, wp)*modulo(study%load%sense*sweep(i), full_turn)/full_turn
+         place = real(n, wp)*modulo(study%crank%sense*sweep(i), full_turn)/full_turn
+         if (study%crank%varies) place = real(n, wp)*study%crank%time_of(sweep(i))/(2.0_wp*pi)
          call between(place)
          scene%load(:, i) = study%cycle%force(:, k) + part*(study%cycle%force(:, next) - study%cycle%force(:, k))
       end do

@@ -75,7 +75,7 @@ contains
       if (study%followed) high = min(head_room*high, max(high, maxval(study%force)))
       panel = panel_of(study, low, high, top)
       call draw_axes(panel, 'load without clearance (blue) and force of contact (red; dashed after its first loss), N', &
-                     sign(tick, study%load%sense), text)
+                     sign(tick, study%crank%sense), text)
       call draw_curve(panel, 'curve', in_turn(study%cycle%input), study%cycle%amount, text)
       call draw_followed(study, study%force, panel, text)
       do k = 1, size(study%minima)
@@ -97,7 +97,7 @@ contains
       if (study%followed) low = min(low, minval(study%lag))
       if (study%followed) high = max(high, maxval(study%lag))
       panel = panel_of(study, low, high, top)
-      call draw_axes(panel, 'lag of the pin behind the load, degrees', sign(tick, study%load%sense), text, &
+      call draw_axes(panel, 'lag of the pin behind the load, degrees', sign(tick, study%crank%sense), text, &
                      'input from the reference position, degrees')
       call draw_followed(study, study%lag, panel, text)
    end subroutine draw_lag
@@ -123,7 +123,7 @@ contains
       real(wp), intent(in) :: low, high, top
 
       panel_of = plot_panel_t(margin, top, width - 2.0_wp*margin, panel_height, 0.0_wp, &
-                              sign(full_turn, study%load%sense), low, high)
+                              sign(full_turn, study%crank%sense), low, high)
    end function panel_of
 
    !> An input within the turn, of its sign.

@@ -1,6 +1,7 @@
 !> Curves of what ssics found: responses over a turn, the link drawn bent, amplitudes over speeds with the unstable ones shaded,
 !> the chart of stability (Oldham, figure 14.2).
 module psalm_steady_curves
+   use psalm_crank_motion, only: crank_motion_t, constant_motion
    use psalm_data_set, only: data_set_t
    use psalm_drive_study, only: drive_study_t
    use psalm_flex_list, only: flexible_name
@@ -19,6 +20,7 @@ module psalm_steady_curves
    public :: make_steady_curves, most_shown_modes
 
    integer, parameter :: most_shown_modes = 4 !! curves of modes in one panel
+   integer, parameter :: steps_of_speed = 180 !! of a turn, at which the speed of the crank is drawn
    integer, parameter :: poses = 12           !! angles of the crank at which the link is drawn bent
    integer, parameter :: stations = 48        !! along the link
    real(wp), parameter :: shown_bend = 0.1_wp !! of its size a link of elements is drawn bent at most
@@ -35,6 +37,7 @@ contains
       integer :: k
 
       allocate (plots(0))
+      if (study%crank%varies) call add_crank(study%crank, plots)
       if (allocated(study%vibration)) call add_vibration(study%vibration, plots)
       if (allocated(study%flexible)) then
          do k = 1, size(study%flexible)
@@ -53,8 +56,20 @@ contains
       end if
       if (.not. study%hill%hill%unique) return
       call begin_turn("y of Hill's equation", full_turn, plots)
-      call add_response('', 1, study%hill%hill, 1.0_wp, 1.0_wp, 1, plots(size(plots)))
+      call add_response('', 1, study%hill%hill, 1.0_wp, constant_motion(1.0_wp), 1, plots(size(plots)))
    end subroutine make_steady_curves
+
+   !> The speed of the crank where it varies.
+   subroutine add_crank(crank, plots)
+      type(crank_motion_t), intent(in) :: crank
+      type(plot_t), allocatable, intent(inout) :: plots(:)
+      type(crank_motion_t) :: turn
+
+      turn = crank%at_steps(steps_of_speed)
+      call begin_turn('speed of the crank, rad/s', crank%sense*full_turn, plots)
+      call add_line(plots(size(plots)), '', look_line, 1, [turn%input, crank%sense*full_turn], &
+                    crank%speed*[turn%rate, turn%rate(1)])
+   end subroutine add_crank
 
    !> The responses of several equations of Hill.
    subroutine add_equations(y, plots)
@@ -78,14 +93,13 @@ contains
       character(*), parameter :: kinds(stress_kinds) = [character(14) :: 'bending', 'along the link', 'both together']
       type(plot_t) :: axis
       real(wp) :: turn, factor, extent, moved(2, size(study%link%frame%x, 2))
-      integer :: i, k, n, worst(2)
+      integer :: i, k, worst(2)
 
-      n = size(study%displacement, 3)
-      turn = study%cycle%turn%sense*full_turn
+      turn = study%cycle%turn%crank%sense*full_turn
       if (study%stressed) then
          call begin_turn('greatest stress of '//link//', Pa', turn, plots)
          do k = 1, stress_kinds
-            call add_line(plots(size(plots)), trim(kinds(k)), look_line, k, [(turn*real(i, wp)/real(n, wp), i=0, n)], &
+            call add_line(plots(size(plots)), trim(kinds(k)), look_line, k, [study%cycle%turn%crank%input, turn], &
                           [study%stress(:, k), study%stress(1, k)])
          end do
       end if
@@ -123,9 +137,9 @@ contains
       bent = size(study%modes) > 0
       if (bent) bent = study%modes(1)%hill%unique
       if (bent) then
-         call begin_turn('deflection by mode, m', study%cycle%sense*full_turn, plots)
+         call begin_turn('deflection by mode, m', study%cycle%crank%sense*full_turn, plots)
          do j = 1, min(size(study%modes), most_shown_modes)
-            call add_response('mode '//to_text(j), j, study%modes(j)%hill, study%cycle%length, study%cycle%sense, 1, &
+            call add_response('mode '//to_text(j), j, study%modes(j)%hill, study%cycle%length, study%cycle%crank, 1, &
                               plots(size(plots)))
          end do
          call add_poses(study, plots)
@@ -147,6 +161,7 @@ contains
       type(plot_t) :: axis
       type(periodic_t) :: q(size(study%modes))
       real(wp), dimension(0:stations) :: x, v
+      real(wp) :: angle, time
       integer :: i, j, k
 
       do j = 1, size(q)
@@ -157,11 +172,14 @@ contains
       axis%below = 'along the link, m'
       call begin_plot('the bent link: deflection, m', axis, plots)
       do i = 0, poses - 1
+         angle = study%cycle%crank%sense*full_turn*real(i, wp)/real(poses, wp)
+         time = 2.0_wp*pi*real(i, wp)/real(poses, wp)
+         if (study%cycle%crank%varies) time = study%cycle%crank%time_of(angle)
          v = 0.0_wp
          do j = 1, size(q)
-            if (study%modes(j)%hill%unique) v = v + q(j)%at(2.0_wp*pi*real(i, wp)/real(poses, wp))*sin(real(j, wp)*pi*x)
+            if (study%modes(j)%hill%unique) v = v + q(j)%at(time)*sin(real(j, wp)*pi*x)
          end do
-         call add_line(plots(size(plots)), to_text(nint(study%cycle%sense*full_turn*real(i, wp)/real(poses, wp)))//' degrees', &
+         call add_line(plots(size(plots)), to_text(nint(angle))//' degrees', &
                        look_line, i + 1, x*study%cycle%length, v)
       end do
    end subroutine add_poses
@@ -199,17 +217,19 @@ contains
    subroutine add_drive(study, plots)
       type(drive_study_t), intent(in) :: study
       type(plot_t), allocatable, intent(inout) :: plots(:)
+      real(wp), allocatable :: inputs(:)
       real(wp) :: turn, half
-      integer :: i, k, n
+      integer :: k, n
 
-      turn = study%turn%sense*full_turn/real(study%waves, wp)
+      turn = study%turn%crank%sense*full_turn/real(study%waves, wp)
       n = size(study%inertia)
       call begin_turn('inertia at the crank, kg m2', turn, plots)
-      call add_line(plots(size(plots)), '', look_line, 1, [(turn*real(i, wp)/real(n, wp), i=0, n)], &
+      inputs = [study%turn%crank%inputs(study%waves*n), study%turn%crank%sense*full_turn]
+      call add_line(plots(size(plots)), '', look_line, 1, inputs(:n + 1), &
                     [study%inertia, study%inertia(1)])
       if (study%hill%unique) then
          call begin_turn('swing of the crank, rad', turn, plots)
-         call add_response('', 1, study%hill, 1.0_wp, study%turn%sense, study%waves, plots(size(plots)))
+         call add_response('', 1, study%hill, 1.0_wp, study%turn%crank, study%waves, plots(size(plots)))
       end if
       if (.not. any(study%speeds%known)) return
       call begin_speeds('greatest swing of the crank, rad', study%speeds%speed, plots)
@@ -222,18 +242,21 @@ contains
    end subroutine add_drive
 
    !> A periodic response over a turn of the crank.
-   subroutine add_response(label, colour, hill, unit, sense, waves, plot)
+   subroutine add_response(label, colour, hill, unit, crank, waves, plot)
       character(*), intent(in) :: label
       integer, intent(in) :: colour
       type(hill_t), intent(in) :: hill
-      real(wp), intent(in) :: unit, sense !! of y; of the crank's turning
+      real(wp), intent(in) :: unit        !! of y
+      type(crank_motion_t), intent(in) :: crank
       integer, intent(in) :: waves        !! periods in a turn
       type(plot_t), intent(inout) :: plot
-      integer :: i, n
+      real(wp), allocatable :: inputs(:)
+      integer :: n
 
       if (.not. hill%unique) return
       n = size(hill%y)
-      call add_line(plot, label, look_line, colour, [(sense*full_turn*real(i, wp)/real(waves*n, wp), i=0, n)], &
+      inputs = [crank%inputs(waves*n), crank%sense*full_turn]
+      call add_line(plot, label, look_line, colour, inputs(:n + 1), &
                     unit/real(waves, wp)*[hill%y, hill%y(1)])
    end subroutine add_response
 

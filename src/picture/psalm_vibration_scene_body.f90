@@ -1,5 +1,7 @@
 !> How the scene of a vibrating link is made. Only this knows what the group VIBR has.
 submodule(psalm_vibration_scene) psalm_vibration_scene_body
+   use psalm_crank_motion, only: crank_motion_t
+   use psalm_crank_study, only: find_crank
    use psalm_error, only: problem_t, make_problem
    use psalm_force_model, only: force_model_t, make_force_model
    use psalm_kinds, only: radians_per_degree
@@ -19,7 +21,8 @@ contains
    module procedure make_vibration_scene
       type(vibration_group_t) :: vibration
       class(problem_t), allocatable :: problem    ! large: it would fill a small stack
-      type(force_model_t) :: model
+      type(force_model_t) :: bare, model
+      type(crank_motion_t) :: crank
       type(diagnostics_t) :: findings
       type(periodic_t) :: q
       real(wp) :: largest
@@ -31,10 +34,12 @@ contains
       if (findings%failed()) return
       allocate (problem)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
-      call make_force_model(set, prepared%mechanism, prepared%given, model, findings)
+      call make_force_model(set, prepared%mechanism, prepared%given, bare, findings)
       n = prepared%mechanism%seq(vibration%beam%link%loop, vibration%beam%link%arc)
-      model = model_with_links(set, prepared%mechanism, prepared%given, n, model)
-      call find_vibration(set, problem, prepared%given, model, scene%study, stop)
+      model = model_with_links(set, prepared%mechanism, prepared%given, n, bare)
+      call find_crank(set, problem, model_with_links(set, prepared%mechanism, prepared%given, 0, bare), crank, stop)
+      if (.not. crank%known) return
+      call find_vibration(set, problem, prepared%given, model, crank, scene%study, stop)
       if (size(scene%study%modes) == 0 .or. is_to_end(stop)) return
       scene%metre = model%metre
       scene%bar = prepared%mechanism%arcs(n)%bar
@@ -47,7 +52,11 @@ contains
             if (.not. hill%unique) cycle
             found = .true.
             q = periodic_from_samples(scene%study%cycle%length/scene%metre*hill%y)
-            scene%deflection(:, j) = q%at(scene%study%cycle%sense*radians_per_degree*sweep)
+            if (crank%varies) then
+               scene%deflection(:, j) = q%at(crank%time_of(sweep))
+            else
+               scene%deflection(:, j) = q%at(crank%sense*radians_per_degree*sweep)
+            end if
          end associate
       end do
       largest = maxval(sum(abs(scene%deflection), dim=2))

@@ -2,11 +2,12 @@
 module psalm_clearance_report
    use psalm_clearance_group, only: clearance_group_t, clearance_of, losses_any
    use psalm_clearance_study, only: clearance_study_t, flypast_of_joint_t, verdict_kept, verdict_lost
+   use psalm_crank_list, only: list_crank, put_crank_speed, no_cycle
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
-   use psalm_flypast_chart, only: chart_t
+   use psalm_flypast_chart, only: chart_t, pulse_numbers
    use psalm_group_words, only: the_group
-   use psalm_kinds, only: wp, degrees_per_radian, full_turn, pi
+   use psalm_kinds, only: wp, degrees_per_radian, pi
    use psalm_mechanism, only: mechanism_t
    use psalm_number_format, only: figures_of, in_a_row, in_sentence
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
@@ -16,6 +17,8 @@ module psalm_clearance_report
    public :: report_clearance
 
    integer, parameter :: name_length = 48              !! characters of a verdict in a table
+   character(*), parameter :: pulse_names(pulse_numbers) = [character(7) :: 't_peak', 'force', 'height', 'width', 'growth', &
+                                                            'decay', 'impulse'] !! as of `pulse_numbers`
    real(wp), parameter :: rpm_per_speed = 30.0_wp/pi !! revolutions per minute of 1 rad/s
 
 contains
@@ -32,8 +35,10 @@ contains
 
       clearance = clearance_of(set)
       call devices%six%add(' '//set%title)
-      if (hindered(set, clearance, mechanism, study, devices)) return
+      if (hindered(set, mechanism, study, devices)) return
       named = set%has_names()
+      call list_crank(named, study%crank, devices%six)
+      call put_crank_speed(study%crank, devices%cases(devices%last_case()))
       call list_minima(mechanism, named, study, devices%six)
       call list_following(named, study, devices%six)
       call list_speeds(named, study, devices%six)
@@ -59,16 +64,18 @@ contains
    end subroutine report_clearance
 
    !> True if there is nothing to report but what hinders.
-   logical function hindered(set, clearance, mechanism, study, devices)
+   logical function hindered(set, mechanism, study, devices)
       type(data_set_t), intent(in) :: set
-      type(clearance_group_t), intent(in) :: clearance
       type(mechanism_t), intent(in) :: mechanism
       type(clearance_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: words
 
       hindered = .true.
-      if (study%load%failure > 0) then
+      if (.not. study%crank%known) then
+         words = no_cycle
+         if (study%stopped) words = 'stopped by request before the speed of the crank was known'
+      else if (study%load%failure > 0) then
          words = 'the crank cannot make a full turn: the linkage does not close'
          if (study%load%closes) words = the_group(mechanism, study%load%loop)//' passes a dead point'
          words = words//at_position(study%load%failure)
@@ -94,8 +101,7 @@ contains
          integer, intent(in) :: position
          character(:), allocatable :: text
 
-         text = ' at'//in_sentence(set%has_names(), study%load%sense*full_turn*real(position - 1, wp)/ &
-                                   real(clearance%points, wp))//' degrees after the reference'
+         text = ' at'//in_sentence(set%has_names(), study%load%crank%input(position))//' degrees after the reference'
       end function at_position
    end function hindered
 
@@ -131,6 +137,15 @@ contains
                              in_sentence(named, m%duration)//' S, IMPACT AT'// &
                              in_sentence(named, m%across)//' M/S ACROSS,'//in_sentence(named, m%along)//' ALONG THE WALL, INDEX'// &
                              in_sentence(named, m%flight%index)//', IMPULSE'//in_sentence(named, m%impulse))
+            end if
+            if (m%pulse%known) then
+               call text%add('   PULSE IF CONTACT IS KEPT: GREATEST FORCE'//in_sentence(named, m%pulse%force)//', HEIGHT'// &
+                             in_sentence(named, m%pulse%height)//', WIDTH'//in_sentence(named, m%pulse%width)//' S, GROWTH'// &
+                             in_sentence(named, m%pulse%growth)//', DECAY'//in_sentence(named, m%pulse%decay)//' N/S, IMPULSE'// &
+                             in_sentence(named, m%pulse%impulse))
+               if (m%cycles > 0.0_wp) call text%add('   ITS WIDTH IS'//in_sentence(named, m%cycles)// &
+                  ' PERIODS OF THE LINKS; IT BENDS OR STRETCHES THEM BY'//in_sentence(named, m%shock)//' TIMES WHAT ITS HEIGHT '// &
+                  'DOES AT REST')
             end if
             if (m%clearance > 0.0_wp) call text%add('   CONTACT IS KEPT UP TO A DIAMETRAL CLEARANCE OF'// &
                                                           in_sentence(named, m%clearance))
@@ -186,7 +201,7 @@ contains
                     in_sentence(named, minval(study%force))//', GREATEST LAG'//in_sentence(named, maxval(abs(study%lag))))
       if (study%loses) call text%add(' ITS FORCE BECOMES NEGATIVE FIRST AT INPUT'//in_sentence(named, study%loss))
       call text%add(' MINIMA OF THE FORCE:     INPUT          FORCE')
-      at = figures_of(named, study%load%sense*study%least%input*degrees_per_radian)
+      at = figures_of(named, study%crank%input_at(study%least%input))
       force = figures_of(named, study%least%force, all_count=.true.)
       do k = 1, size(study%least)
          call text%add(repeat(' ', 18)//at(k)//force(k))
@@ -292,6 +307,22 @@ contains
          call table%add('more_any', m%more(2), 'N')
       end associate
       call tables%put(table)
+      table = table_of('pulse', 'a row for each minimum of the load that a pulse follows if contact is kept')
+      associate (m => study%minima(pack([(k, k=1, size(study%minima))], study%minima%pulse%known)))
+         call table%add('input', m%input, 'deg')
+         call table%add('t_peak', m%pulse%at, 's')
+         call table%add('force', m%pulse%force, 'N')
+         call table%add('height', m%pulse%height, 'N')
+         call table%add('width', m%pulse%width, 's')
+         call table%add('growth', m%pulse%growth, 'N/s')
+         call table%add('decay', m%pulse%decay, 'N/s')
+         call table%add('impulse', m%pulse%impulse, 'N s')
+         if (any(m%cycles > 0.0_wp)) then
+            call table%add('cycles', m%cycles)
+            call table%add('shock', m%shock)
+         end if
+      end associate
+      call tables%put(table)
       table = table_of('following', 'a row for each input, contact followed')
       if (study%followed) then
          call table%add('input', study%input, 'deg')
@@ -305,7 +336,7 @@ contains
       call tables%put(table)
       if (study%followed) then
          table = table_of('least_forces', 'a row for each minimum of the force, contact followed', audience=for_programs)
-         call table%add('input', study%load%sense*study%least%input*degrees_per_radian, 'deg')
+         call table%add('input', study%crank%input_at(study%least%input), 'deg')
          call table%add('force', study%least%force, 'N')
          call tables%put(table)
       end if
@@ -368,6 +399,16 @@ contains
          call table%add('h1', [(((chart%h1(j), j=1, radii), i=1, angles), n=1, ranks)])
          call table%add('minimum', reshape(chart%lost(:radii, :angles, :ranks), [radii*angles*ranks]))
          call table%add('index', reshape(chart%index(:radii, :angles, :ranks), [radii*angles*ranks]))
+         call tables%put(table)
+         table = table_of('chart_pulse', 'a row for each point of the charts: the pulse if contact is kept, in parts of the '// &
+                          'least load and of T')
+         call table%add('h3', [(((chart%h3(n), j=1, radii), i=1, angles), n=1, ranks)])
+         call table%add('h2', [(((chart%h2(i)*degrees_per_radian, j=1, radii), i=1, angles), n=1, ranks)], 'deg')
+         call table%add('h1', [(((chart%h1(j), j=1, radii), i=1, angles), n=1, ranks)])
+         do j = 1, pulse_numbers
+            call table%add(trim(pulse_names(j)), reshape(chart%pulse(j, :radii, :angles, :ranks), [radii*angles*ranks]), &
+                           known=reshape(chart%pulse(3, :radii, :angles, :ranks), [radii*angles*ranks]) > 0.0_wp)
+         end do
          call tables%put(table)
       end associate
    end subroutine put_chart

@@ -236,8 +236,8 @@ contains
          else
             call six%add('  '//sentence_of(study))
             line = '  '//to_text(study%real_ends)//' real, '//to_text(study%linkages)//' linkages'
-            if (study%way == way_nine) line = '  '//to_text(study%real_ends)//' real, with their cognates '// &
-                                              to_text(study%linkages)//' linkages'
+            if (study%cognates) line = '  '//to_text(study%real_ends)//' real, with their cognates '// &
+                                       to_text(study%linkages)//' linkages'
             if (study%infinite > 0 .and. study%way == way_burmester) line = line//'; '//to_text(study%infinite)// &
                                                                           ' with a pivot at infinity'
             call six%add(line)
@@ -391,6 +391,10 @@ contains
       call devices%six%add('  '//sentence_of(study))
       call devices%six%add('  '//to_text(study%real_ends)//' real')
       if (study%examined) call add_certificate(study, devices%six)
+      if (.not. study%complete) then
+         call devices%remark(set, sentence_of(study))
+         call devices%note_violation()
+      end if
       if (study%generators%count == 0) then
          call devices%remark(set, 'no real linkage passes these points')
          call devices%note_violation()

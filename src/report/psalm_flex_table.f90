@@ -4,7 +4,7 @@ module psalm_flex_table
    use psalm_drive_links_study, only: drive_links_t
    use psalm_flex_list, only: flexible_name
    use psalm_flex_study, only: flex_study_t, stress_kinds
-   use psalm_kinds, only: wp, full_turn
+   use psalm_kinds, only: wp
    use psalm_mechanism, only: mechanism_t
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: lower_case
@@ -145,7 +145,7 @@ contains
          if (.not. allocated(studies(k)%over_turn) .or. .not. studies(k)%solved) cycle
          many = size(studies(k)%over_turn, 2)
          links = [character(name_length) :: links, (names(k), i=1, many)]
-         columns = reshape([columns, ([studies(k)%cycle%turn%sense*full_turn*real(i - 1, wp)/real(many, wp), &
+         columns = reshape([columns, ([studies(k)%cycle%turn%crank%input(i), &
                                        studies(k)%over_turn(:, i)], i=1, many)], [4, size(links)])
       end do
       if (size(links) == 0) return
@@ -281,8 +281,7 @@ contains
       if (all(rows == 0)) return
       table = table_of('flexible_stresses', 'a row for each link and position: the greatest stresses along the link')
       call table%add('link', [((k, i=1, rows(k)), k=1, size(studies))])
-      call table%add('input', [((studies(k)%cycle%turn%sense*full_turn*real(i - 1, wp)/real(rows(k), wp), i=1, rows(k)), k=1, &
-                                size(studies))], 'deg')
+      call table%add('input', [((studies(k)%cycle%turn%crank%input(i), i=1, rows(k)), k=1, size(studies))], 'deg')
       call table%add('bending', [((studies(k)%stress(i, 1), i=1, rows(k)), k=1, size(studies))], 'Pa')
       call table%add('along', [((studies(k)%stress(i, 2), i=1, rows(k)), k=1, size(studies))], 'Pa')
       call table%add('both', [((studies(k)%stress(i, 3), i=1, rows(k)), k=1, size(studies))], 'Pa')

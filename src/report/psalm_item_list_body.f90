@@ -9,6 +9,7 @@ submodule(psalm_item_list) psalm_item_list_body
    use psalm_drive_group, only: hill_items, shaft_items
    use psalm_drives_group, only: drive_items
    use psalm_curve_group, only: curve_items
+   use psalm_cycle_group, only: cycle_items
    use psalm_dxf_group, only: dxf_items
    use psalm_exact_group, only: exact_items
    use psalm_flex_group, only: flex_items
@@ -82,6 +83,8 @@ contains
          rules = friction_items
       case ('MOTOR')
          rules = motor_items
+      case ('CYCLE')
+         rules = cycle_items
       case ('VIBR')
          rules = vibration_items
       case ('ESTIM')

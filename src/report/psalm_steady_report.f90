@@ -1,5 +1,6 @@
 !> Results of ssics become texts of the devices, remarks for standard error and the exit status. Nothing is computed here.
 module psalm_steady_report
+   use psalm_crank_list, only: list_crank, put_crank_speed, no_cycle
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_drive_group, only: hill_group_t, hill_of, drive_group_t, drive_of
@@ -11,7 +12,7 @@ module psalm_steady_report
    use psalm_coupled_hill, only: coupled_t
    use psalm_hill, only: hill_t
    use psalm_group_words, only: the_group
-   use psalm_kinds, only: wp, full_turn
+   use psalm_kinds, only: wp
    use psalm_link_cycle, only: link_cycle_t
    use psalm_steady_study, only: steady_study_t
    use psalm_mechanism, only: mechanism_t
@@ -49,9 +50,18 @@ contains
       vibration = vibration_of(set)
       flex = flex_of(set)
       call devices%six%add(' '//set%title)
+      if (.not. study%crank%known) then
+         if (study%stopped) return
+         call devices%six%add(' NO STEADY STATE: '//no_cycle)
+         call devices%remark(set, no_cycle)
+         call devices%note_violation()
+         return
+      end if
+      call list_crank(set%has_names(), study%crank, devices%six)
+      call put_crank_speed(study%crank, devices%cases(devices%last_case()))
       if (allocated(study%estimates)) then
          do k = 1, size(study%estimates)
-            if (stuck(set, mechanism, study%estimates(k)%cycle, estimates%points, devices)) return
+            if (stuck(set, mechanism, study%estimates(k)%cycle, devices)) return
             if (study%estimates(k)%verdict /= verdict_redesign) cycle
             call devices%note_violation()
             call devices%remark(set, 'the link '//link_words(set, estimates%beams(k)%link, ' in loop ', 'of arc ')// &
@@ -63,9 +73,9 @@ contains
          call put_estimates(set, study%estimates, devices%cases(devices%last_case()))
       end if
       if (allocated(study%vibration)) then
-         if (stuck(set, mechanism, study%vibration%cycle, vibration%points, devices)) return
+         if (stuck(set, mechanism, study%vibration%cycle, devices)) return
          call list_vibration(set, study%vibration, devices%six)
-         call put_vibration(study%vibration, set%rates%speed, devices%cases(devices%last_case()))
+         call put_vibration(study%vibration, devices%cases(devices%last_case()))
          do k = 1, size(study%vibration%modes)
             call remark_stability(set, 'mode '//to_text(k), study%vibration%modes(k)%hill, devices)
             if (study%vibration%modes(k)%least_stiffness >= 0.0_wp) cycle
@@ -83,7 +93,7 @@ contains
       end if
       if (allocated(study%flexible)) then
          do k = 1, size(study%flexible)
-            if (stuck(set, mechanism, study%flexible(k)%cycle%turn, flex%points, devices)) return
+            if (stuck(set, mechanism, study%flexible(k)%cycle%turn, devices)) return
             call remark_flexible(set, study%flexible(k), devices)
          end do
          call list_flexible(set, mechanism, study%flexible, devices%six)
@@ -92,7 +102,7 @@ contains
                  study%flexible%out%resolution > enough)) call coarse('NXPNT', flex%points)
       end if
       if (allocated(study%drive)) then
-         if (stuck(set, mechanism, study%drive%turn, drive%points, devices)) return
+         if (stuck(set, mechanism, study%drive%turn, devices)) return
          call list_drive(set, study%drive, devices%six)
          call put_drive(study%drive, devices%cases(devices%last_case()))
          if (study%drive%found) then
@@ -200,11 +210,10 @@ contains
    end subroutine remark_stability
 
    !> True if the crank cannot turn, which is reported.
-   logical function stuck(set, mechanism, cycle_of, points, devices)
+   logical function stuck(set, mechanism, cycle_of, devices)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(link_cycle_t), intent(in) :: cycle_of
-      integer, intent(in) :: points
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: words
 
@@ -212,9 +221,7 @@ contains
       if (.not. stuck) return
       words = 'the crank cannot make a full turn: the linkage does not close'
       if (cycle_of%closes) words = the_group(mechanism, cycle_of%loop)//' passes a dead point'
-      words = words//' at'//in_sentence(set%has_names(), &
-                                        cycle_of%sense*full_turn*real(cycle_of%failure - 1, wp)/real(points, wp))// &
-              ' degrees after the reference'
+      words = words//' at'//in_sentence(set%has_names(), cycle_of%crank%input(cycle_of%failure))//' degrees after the reference'
       call devices%six%add(' NO STEADY STATE: '//words)
       call devices%remark(set, words)
       call devices%note_violation()

@@ -58,7 +58,7 @@ contains
             call text%add('     P          EXACT FROM             TO    BY (13.27) FROM             TO    BY (13.28) FROM'// &
                           '             TO   UNSTABLE SPEEDS FROM         TO')
             columns = boundary_columns(named, mode)
-            of_speed = format_of(named, [(unstable_speeds(study, set%rates%speed, j, p), p=0, ubound(mode%exact%low, 1))])
+            of_speed = format_of(named, [(unstable_speeds(study, j, p), p=0, ubound(mode%exact%low, 1))])
             do p = 0, ubound(mode%exact%low, 1)
                call text%add(right_column(p, 6)//'     '//in_a_row(columns(:2, p + 1))//'     '// &
                              in_a_row(columns(3:4, p + 1))//'     '//in_a_row(columns(5:, p + 1))//'      '//speeds_of(p))
@@ -137,7 +137,7 @@ contains
          character(:), allocatable :: line
          real(wp) :: speeds(2)
 
-         speeds = unstable_speeds(study, set%rates%speed, j, p)
+         speeds = unstable_speeds(study, j, p)
          line = '           NONE'
          if (speeds(1) >= huge(1.0_wp)) return
          line = figure(speeds(1), of_speed)
@@ -185,14 +185,13 @@ contains
 
    !> Speeds between two boundaries of a mode, of the link as it is, at which it grows. Below a boundary of p = 0 lie the speeds
    !> above it.
-   pure function unstable_speeds(study, speed, mode, p) result(speeds)
+   pure function unstable_speeds(study, mode, p) result(speeds)
       type(vibration_study_t), intent(in) :: study
-      real(wp), intent(in) :: speed          !! of RATES
       integer, intent(in) :: mode, p
       real(wp) :: speeds(2)                  !! from and to, rad/s; huge: there are none, or all above the first
       real(wp) :: base
 
-      base = speed**2*study%ratio**2 ! squared first frequency of the link at rest
+      base = study%cycle%crank%speed**2*study%ratio**2 ! squared first frequency of the link at rest
       speeds = huge(1.0_wp)
       associate (low => study%modes(mode)%exact%low(p), high => study%modes(mode)%exact%high(p))
          if (high <= 0.0_wp) return

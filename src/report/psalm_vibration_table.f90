@@ -1,5 +1,6 @@
 !> Tables of the vibration of links, of flexible drives and of Hill's equation.
 module psalm_vibration_table
+   use psalm_crank_motion, only: crank_motion_t, constant_motion
    use psalm_data_set, only: data_set_t
    use psalm_drive_study, only: drive_study_t, hill_study_t, matters, least_drive_ratio
    use psalm_estimate_study, only: estimate_t, harmonics_estimated, rules
@@ -20,9 +21,8 @@ module psalm_vibration_table
 contains
 
    !> Tables vibration, modes, boundaries, boundary_series, multipliers, harmonics, response, speeds, unstable_speeds, chart.
-   pure subroutine put_vibration(study, speed, tables)
+   pure subroutine put_vibration(study, tables)
       type(vibration_study_t), intent(in) :: study
-      real(wp), intent(in) :: speed                !! of RATES, rad/s
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
       integer, allocatable :: unique(:)
@@ -36,7 +36,7 @@ contains
          call add_range('omega2', [((modes(j)%exact%low(p), p=0, ubound(modes(j)%exact%low, 1)), j=1, size(modes))], &
                         [((modes(j)%exact%high(p), p=0, ubound(modes(j)%exact%low, 1)), j=1, size(modes))], table)
          call tables%put(table)
-         call put_series(study, speed, tables)
+         call put_series(study, tables)
          table = table_of('multipliers', 'a row for each multiplier of a mode; mode 0: of all modes together')
          call table%add('mode', [((j, k=1, 2), j=1, size(modes)), (0, k=1, size(study%multipliers))])
          call add_complex([((modes(j)%hill%multipliers(k), k=1, 2), j=1, size(modes)), study%multipliers], table)
@@ -48,13 +48,12 @@ contains
          call table%add('amplitude', [((modes(unique(j))%amplitude(n), n=0, harmonics_listed), j=1, size(unique))], 'm')
          call tables%put(table)
       end associate
-      call put_response('response', 'm', study%modes(1)%hill, study%cycle%length, study%cycle%sense, 1, tables)
+      call put_response('response', 'm', study%modes(1)%hill, study%cycle%length, study%cycle%crank, 1, tables)
       if (allocated(study%stresses)) then
          if (study%stresses%known) then
             associate (of => study%stresses)
                table = table_of('stresses', 'a row for each position: the greatest stresses along the link')
-               n = size(of%both)
-               call table%add('input', [(study%cycle%sense*full_turn*real(k - 1, wp)/real(n, wp), k=1, n)], 'deg')
+               call table%add('input', study%cycle%crank%input, 'deg')
                call table%add('bending', of%bending, 'Pa')
                call table%add('along', of%along, 'Pa')
                call table%add('both', of%both, 'Pa')
@@ -126,9 +125,8 @@ contains
    end subroutine put_modes
 
    !> The boundaries by Oldham's series, and the speeds at which the link as it is grows.
-   pure subroutine put_series(study, speed, tables)
+   pure subroutine put_series(study, tables)
       type(vibration_study_t), intent(in) :: study
-      real(wp), intent(in) :: speed                !! of RATES, rad/s
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
       real(wp), allocatable :: speeds(:, :)
@@ -150,7 +148,7 @@ contains
       do j = 1, size(last)
          do p = 0, last(j)
             n = n + 1
-            speeds(:, n) = unstable_speeds(study, speed, j, p)
+            speeds(:, n) = unstable_speeds(study, j, p)
          end do
       end do
       call table%add('speed_from', speeds(1, :), 'rad/s')
@@ -231,13 +229,13 @@ contains
       call tables%put(table)
    end subroutine put_speeds
 
-   !> Input in degrees from the reference position; derivatives by it, per radian.
-   pure subroutine put_response(block, unit, hill, factor, sense, waves, tables)
+   !> Input in degrees from the reference position; derivatives by it, per radian, of a speed that varies by the mean turning.
+   pure subroutine put_response(block, unit, hill, factor, crank, waves, tables)
       character(*), intent(in) :: block
       character(*), intent(in) :: unit         !! of y
       type(hill_t), intent(in) :: hill
       real(wp), intent(in) :: factor           !! y in this unit
-      real(wp), intent(in) :: sense            !! 1 or -1
+      type(crank_motion_t), intent(in) :: crank
       integer, intent(in) :: waves             !! periods in a turn: y stands for that many times the deflection
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
@@ -257,11 +255,11 @@ contains
          deallocate (y)
          allocate (y(size(hill%y)/stride, 0:2))
          y(:, 0) = factor*(hill%y(::stride)/many)
-         y(:, 1) = factor*(sense*hill%y1(::stride))
+         y(:, 1) = factor*(crank%sense*hill%y1(::stride))
          y(:, 2) = factor*(hill%y2(::stride)*many)
       end if
       table = table_of(block, 'a row for each input of a period: the steady response and its derivatives')
-      call table%add('input', steps_of_turn(size(y, 1), sense, waves), 'deg')
+      call table%add('input', steps_of_turn(size(y, 1), crank, waves), 'deg')
       per = unit
       if (len(unit) == 0) per = '1'
       call table%add('y', y(:, 0), unit)
@@ -270,14 +268,14 @@ contains
       call tables%put(table)
    end subroutine put_response
 
-   !> Equal steps of a period of the turn from the reference position, degrees.
-   pure function steps_of_turn(steps, sense, waves) result(input)
+   !> Inputs at equal steps of the time of a period from the reference position, degrees.
+   pure function steps_of_turn(steps, crank, waves) result(input)
       integer, intent(in) :: steps, waves
-      real(wp), intent(in) :: sense
-      real(wp) :: input(steps)
-      integer :: i
+      type(crank_motion_t), intent(in) :: crank
+      real(wp) :: input(steps), whole(waves*steps)
 
-      input = [(sense*full_turn*real(i - 1, wp)/real(waves*steps, wp), i=1, steps)]
+      whole = crank%inputs(waves*steps)
+      input = whole(:steps)
    end function steps_of_turn
 
    !> Tables estimates, estimate_rules and estimate_harmonics, for other programs.
@@ -375,13 +373,13 @@ contains
 
       call put_crank(study, tables)
       table = table_of('drive_inertia', 'a row for each input of a period: the inertia that the crank feels')
-      call table%add('input', steps_of_turn(size(study%inertia), study%turn%sense, study%waves), 'deg')
+      call table%add('input', steps_of_turn(size(study%inertia), study%turn%crank, study%waves), 'deg')
       call table%add('inertia', study%inertia, 'kg m^2')
       call tables%put(table)
       if (study%loaded) then
          table = table_of('drive_torque', 'a row for each input: the torque of weight, loads and springs, and that of '// &
                           'dampers at 1 rad/s')
-         call table%add('input', steps_of_turn(size(study%torque), study%turn%sense, 1), 'deg')
+         call table%add('input', steps_of_turn(size(study%torque), study%turn%crank, 1), 'deg')
          call table%add('torque', study%torque, 'N m')
          call table%add('viscous', study%viscous, 'N m s')
          call tables%put(table)
@@ -391,7 +389,7 @@ contains
       call add_complex(study%hill%multipliers, table)
       call tables%put(table)
       if (study%hill%unique) call put_swing(study, tables)
-      call put_response('drive_response', 'rad', study%hill, 1.0_wp, study%turn%sense, study%waves, tables)
+      call put_response('drive_response', 'rad', study%hill, 1.0_wp, study%turn%crank, study%waves, tables)
       if (size(study%speeds) == 0) return
       associate (rows => study%speeds)
          call put_speeds('drive_speeds', 'rad', rows%speed, rows%amplitude, rows%known, rows%stable, tables)
@@ -480,7 +478,7 @@ contains
       call table%add('n', [(k, k=0, ubound(study%amplitude, 1))])
       call table%add('amplitude', study%amplitude, known=spread(study%hill%unique, 1, size(study%amplitude)))
       call tables%put(table)
-      call put_response('hill_response', '', study%hill, 1.0_wp, 1.0_wp, 1, tables)
+      call put_response('hill_response', '', study%hill, 1.0_wp, constant_motion(1.0_wp), 1, tables)
    end subroutine put_hill
 
    !> Of several equations: tables hill_equations, hill_multipliers, hill_equation_harmonics, hill_equation_response.

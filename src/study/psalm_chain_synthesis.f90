@@ -380,7 +380,9 @@ contains
       self%problem%sense = self%sense
       if (self%either_way) self%problem%sense = way_of(self, candidate%x)
       call self%problem%set_range(candidate%x)
+      self%solver%hasty = .true.
       call improve(self, merge(fine, settling, thorough), 1, finer)
+      self%solver%hasty = .false.
       candidate%evaluations = candidate%evaluations + finer%evaluations
       candidate%jacobians = candidate%jacobians + finer%jacobians
       if (.not. finer%feasible .or. finer%objective > candidate%objective) return

@@ -3,15 +3,18 @@
 !> Every minimum of the nominal load is a flypast that keeps contact or loses it; the contact is also followed through a turn.
 module psalm_clearance_study
    use psalm_clearance_group, only: clearance_group_t, losses_passage
+   use psalm_contact_pulse, only: contact_pulse_t, pulse_shape_t, find_pulse, shock_of
+   use psalm_crank_motion, only: crank_motion_t
+   use psalm_crank_study, only: check_crank, find_crank
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
-   use psalm_flypast, only: flypast_t, flight_t, follow_flypast, fly
+   use psalm_flypast, only: flypast_t, flight_t, passing_contact_t, passed_step_t, follow_flypast, fly
    use psalm_flypast_chart, only: chart_t, make_chart, outermost_loss
    use psalm_following, only: followed_contact_t, contact_of, follow_contact, least_force_t
    use psalm_force_model, only: force_model_t, make_force_model, joint_at
    use psalm_joint_load, only: joint_load_t, find_joint_load
-   use psalm_kinds, only: wp, pi, full_turn, degrees_per_radian, radians_per_degree
+   use psalm_kinds, only: wp, pi, full_turn, degrees_per_radian
    use psalm_mechanism, only: mechanism_t, joint_revolute
    use psalm_periodic, only: periodic_t, periodic_from_samples
    use psalm_preparation, only: prepared_t
@@ -44,6 +47,9 @@ module psalm_clearance_study
       real(wp) :: duration = 0.0_wp                  !! of the flight, s
       real(wp) :: across = 0.0_wp, along = 0.0_wp    !! speed at the impact, m/s
       real(wp) :: impulse = 0.0_wp                   !! N s
+      type(contact_pulse_t) :: pulse                 !! of the force where contact is kept, in SI units, its time from the minimum
+      real(wp) :: cycles = 0.0_wp                    !! its width in periods of the links; 0: their frequency is not given
+      real(wp) :: shock = 0.0_wp                     !! greatest deflection of the links over that by its height at rest
       real(wp) :: clearance = 0.0_wp                 !! diametral, m, up to which contact is kept; 0: however large
       ! in the passage, and at any of the minima that are looked at:
       real(wp) :: border(2) = 0.0_wp                 !! H1 beyond which contact is kept; 0: it always is
@@ -67,6 +73,7 @@ module psalm_clearance_study
    end type load_cycle_t
 
    type :: clearance_study_t
+      type(crank_motion_t) :: crank                  !! if it is not known there is nothing else
       type(joint_load_t) :: load
       integer :: joint = 0
       real(wp) :: diametral = 0.0_wp                 !! m
@@ -119,7 +126,7 @@ contains
       call begin_study(set, clearance, problem, mechanism, dimensions, model, study, tensor)
       margins%known = study%done
       if (.not. study%done) return
-      call find_minima(study, tensor, abs(set%rates%speed), 0.0_wp, .true., study%minima)
+      call find_minima(study, tensor, study%crank%speed, 0.0_wp, .true., study%minima)
       margins%h1 = huge(1.0_wp)
       margins%over = huge(1.0_wp)
       do k = 1, size(study%minima)
@@ -161,6 +168,8 @@ contains
          call set%origins%error(findings, 'RATES', 'SPEED', 'a joint with clearance needs a speed other than 0', 1)
       else if (abs(set%rates%accel) > 0.0_wp) then
          call set%origins%error(findings, 'RATES', 'ACCEL', 'the speed is to be constant: no ACCEL', 1)
+      else
+         call check_crank(set, findings)
       end if
       if (prepared%mechanism%sliding_input) then
          call refuse('bridge needs a crank that turns; the input of this linkage slides')
@@ -183,8 +192,8 @@ contains
       end subroutine refuse
    end subroutine check_clearance
 
-   !> Study of a case that `check_clearance` found no fault with. `study%load%failure` tells where the crank cannot turn: then
-   !> there is nothing else.
+   !> Study of a case that `check_clearance` found no fault with. `study%load%failure` tells where the crank cannot turn, and
+   !> `study%crank%known` that its machine has no steady cycle: then there is nothing else.
    subroutine find_clearance(set, clearance, problem, mechanism, dimensions, study, stop)
       type(data_set_t), intent(in) :: set
       type(clearance_group_t), intent(in) :: clearance
@@ -199,10 +208,10 @@ contains
       integer :: i
 
       call make_force_model(set, mechanism, dimensions, model, unused)
-      call begin_study(set, clearance, problem, mechanism, dimensions, model, study, tensor)
+      call begin_study(set, clearance, problem, mechanism, dimensions, model, study, tensor, stop)
       if (.not. study%done) return
-      call find_cycle(study, abs(set%rates%speed))
-      call find_minima(study, tensor, abs(set%rates%speed), clearance%restitution, .true., study%minima)
+      call find_cycle(study, study%crank%speed)
+      call find_minima(study, tensor, study%crank%speed, clearance%restitution, .true., study%minima, clearance%frequency)
       do i = 1, size(study%minima)
          associate (limit => study%minima(i)%clearance)
             if (limit <= 0.0_wp) cycle
@@ -210,7 +219,7 @@ contains
          end associate
       end do
       study%stopped = is_to_end(stop)
-      if (.not. study%stopped) call follow(set, clearance, tensor, study)
+      if (.not. study%stopped) call follow(clearance, tensor, study)
       if (.not. study%stopped) call find_speeds(clearance, tensor, study, stop)
       if (study%stopped) return
       associate (c => clearance)
@@ -220,7 +229,7 @@ contains
    end subroutine find_clearance
 
    !> The load of the joint and the inertia that moves with it; `study%done` unless something hinders.
-   subroutine begin_study(set, clearance, problem, mechanism, dimensions, model, study, tensor)
+   subroutine begin_study(set, clearance, problem, mechanism, dimensions, model, study, tensor, stop)
       type(data_set_t), intent(in) :: set
       type(clearance_group_t), intent(in) :: clearance
       type(problem_t), intent(in) :: problem
@@ -229,12 +238,16 @@ contains
       type(force_model_t), intent(in) :: model
       type(clearance_study_t), intent(out) :: study
       type(periodic_t), intent(out) :: tensor(3)
+      type(stop_t), intent(in), optional :: stop
       integer :: i, c
 
       allocate (study%minima(0), study%speeds(0), study%least(0), study%input(0), study%lag(0), study%force(0), study%pin(0))
       study%joint = joint_at(mechanism, clearance%joint)
       study%diametral = clearance%diametral*model%metre
-      call find_joint_load(problem, dimensions, model, study%joint, clearance%points, set%rates%speed, study%load)
+      call find_crank(set, problem, model, study%crank, stop)
+      study%stopped = is_to_end(stop)
+      if (study%stopped .or. .not. study%crank%known) return
+      call find_joint_load(problem, dimensions, model, study%joint, clearance%points, study%crank, study%load)
       if (study%load%failure > 0 .or. study%load%loose > 0) return
       associate (m => study%load%tensor)
          study%massless = .not. all(m(1, :) + m(3, :) > 0.0_wp)
@@ -254,10 +267,8 @@ contains
    subroutine find_cycle(study, speed)
       type(clearance_study_t), intent(inout) :: study
       real(wp), intent(in) :: speed
-      integer :: i, n
 
-      n = size(study%load%inertia, 2)
-      study%cycle%input = [(study%load%sense*full_turn*real(i - 1, wp)/real(n, wp), i=1, n)]
+      study%cycle%input = study%load%crank%input
       study%cycle%force = speed**2*study%load%inertia + study%load%fixed
       study%cycle%amount = norm2(study%cycle%force, dim=1)
    end subroutine find_cycle
@@ -275,13 +286,16 @@ contains
    end function load_at
 
    !> Minima of the load at a speed and what becomes of contact there.
-   subroutine find_minima(study, tensor, speed, restitution, limits, minima)
+   subroutine find_minima(study, tensor, speed, restitution, limits, minima, frequency)
       type(clearance_study_t), intent(in) :: study
       type(periodic_t), intent(in) :: tensor(3)
       real(wp), intent(in) :: speed, restitution
       logical, intent(in) :: limits              !! find the critical clearance of each too
       type(flypast_of_joint_t), allocatable, intent(out) :: minima(:)
+      real(wp), intent(in), optional :: frequency !! of the links, rad/s, 0: not known; without it no pulses are found
       type(periodic_t) :: load(2), slope(2)
+      type(passing_contact_t) :: passing
+      type(passed_step_t), allocatable :: steps(:)
       real(wp), allocatable :: amount(:)
       real(wp) :: low, high, middle
       integer :: i, k, n
@@ -310,7 +324,7 @@ contains
    contains
 
       function flypast_at(angle) result(here)
-         real(wp), intent(in) :: angle           !! of the crank, in the sense of its turning, radians
+         real(wp), intent(in) :: angle           !! time, in radians of the mean turning
          type(flypast_of_joint_t) :: here
          real(wp) :: x, y, m(3), twice, radius
          integer :: c
@@ -321,7 +335,7 @@ contains
             m(c) = tensor(c)%at(angle)
          end do
          radius = 0.5_wp*study%diametral
-         here%input = study%load%sense*angle*degrees_per_radian
+         here%input = study%crank%input_at(angle)
          here%load = hypot(x, y)
          here%rate = 0.0_wp
          if (here%load > 0.0_wp) here%rate = speed*(x*slope(2)%at(angle) - y*slope(1)%at(angle))/here%load
@@ -341,7 +355,8 @@ contains
             return
          end if
          if (here%h3 >= greatest_h3 .or. here%h1 >= surely_kept) return
-         here%contact = follow_flypast(here%h1, twice, here%h3)
+         here%contact = follow_flypast(here%h1, twice, here%h3, passing=passing, steps=steps)
+         if (present(frequency)) call find_pulse_of(here)
          if (here%contact%lost) then
             here%verdict = verdict_lost
             here%flight = fly(here%h1, twice, here%h3, here%contact%loss)
@@ -358,11 +373,32 @@ contains
          ! and as the least load, whose direction a preload along it does not change
          here%more = max(0.0_wp, here%load*(here%border/here%h1 - 1.0_wp))
       end function flypast_at
+
+      !> The pulse if contact is kept.
+      subroutine find_pulse_of(here)
+         type(flypast_of_joint_t), intent(inout) :: here
+         type(pulse_shape_t) :: shape
+
+         call find_pulse(passing, steps, here%pulse, shape)
+         if (.not. here%pulse%known) return
+         associate (pulse => here%pulse, unit => here%load/here%rate)
+            if (frequency > 0.0_wp) then
+               here%cycles = pulse%width*unit*frequency/(2.0_wp*pi)
+               here%shock = shock_of(shape, frequency*unit)
+            end if
+            pulse%at = pulse%at*unit
+            pulse%force = pulse%force*here%load
+            pulse%height = pulse%height*here%load
+            pulse%width = pulse%width*unit
+            pulse%growth = pulse%growth*here%rate
+            pulse%decay = pulse%decay*here%rate
+            pulse%impulse = pulse%impulse*here%load*unit
+         end associate
+      end subroutine find_pulse_of
    end subroutine find_minima
 
-   !> Follow the contact through a turn at the speed of the case.
-   subroutine follow(set, clearance, tensor, study)
-      type(data_set_t), intent(in) :: set
+   !> Follow the contact through a turn at the speed of the case, by equal steps of time.
+   subroutine follow(clearance, tensor, study)
       type(clearance_group_t), intent(in) :: clearance
       type(periodic_t), intent(in) :: tensor(3)
       type(clearance_study_t), intent(inout) :: study
@@ -373,25 +409,26 @@ contains
       integer :: n, i
 
       n = clearance%points
-      load = load_at(study, abs(set%rates%speed))
+      load = load_at(study, study%crank%speed)
       amount = load(1)%values(n)**2 + load(2)%values(n)**2
       from = 2.0_wp*pi*real(maxloc(amount, 1) - 1, wp)/real(n, wp)
-      if (clearance%begins) from = modulo(study%load%sense*clearance%begin*radians_per_degree, 2.0_wp*pi)
-      contact = contact_of(load, tensor, abs(set%rates%speed), 0.5_wp*study%diametral)
+      if (clearance%begins) from = study%crank%time_of(clearance%begin)
+      contact = contact_of(load, tensor, study%crank%speed, 0.5_wp*study%diametral)
       deallocate (study%input, study%lag, study%force)
       allocate (study%input(n), study%lag(n), study%force(n))
       call follow_contact(contact, from, n, study%lag, study%force, study%least, loss, study%followed)
-      study%input = [(study%load%sense*(from*degrees_per_radian + full_turn*real(i - 1, wp)/real(n, wp)), i=1, n)]
+      study%input = [(study%crank%sense*(from*degrees_per_radian + full_turn*real(i - 1, wp)/real(n, wp)), i=1, n)]
+      if (study%crank%varies) study%input = [(study%crank%input_at(from + 2.0_wp*pi*real(i - 1, wp)/real(n, wp)), i=1, n)]
       study%lag = study%lag*degrees_per_radian
       study%pin = [(direction_at(from + 2.0_wp*pi*real(i - 1, wp)/real(n, wp)), i=1, n)] - study%lag
       study%loses = loss >= 0.0_wp
-      study%loss = study%load%sense*loss*degrees_per_radian
+      study%loss = study%crank%input_at(loss)
 
    contains
 
       !> Of the load, degrees.
       real(wp) function direction_at(angle) result(direction)
-         real(wp), intent(in) :: angle           !! of the crank, in the sense of its turning, radians
+         real(wp), intent(in) :: angle           !! time, in radians of the mean turning
 
          direction = atan2(load(2)%at(angle), load(1)%at(angle))*degrees_per_radian
       end function direction_at

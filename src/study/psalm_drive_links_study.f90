@@ -4,9 +4,12 @@
 !> that move as in the rigid linkage. To first order in th and q the kinetic energy is J(phi) phi'**2/2 + phi' sum A q' +
 !> phi'**2 sum D q + sum M q' q'/2, phi = w t + th. So a mode is loaded by -A phi'' - B phi'**2 + F(phi) with B = A' - D, all of
 !> them from the forces of the rigid linkage (kalm's) at unit push, at unit speed and at rest, and the same A, D and F act back on
-!> the crank.
+!> the crank. Where the far end of the shaft turns by psi(x) at a speed that varies, phi = psi + th: the load of a mode is that of
+!> the rigid linkage at this speed, B is what is left of it without A psi'', over psi'**2, and derivatives by phi are those by x
+!> over psi'.
 module psalm_drive_links_study
    use psalm_coupled_hill, only: coupled_t, solve_coupled, without_mass, places_for
+   use psalm_crank_motion, only: crank_motion_t
    use psalm_data_set, only: data_set_t
    use psalm_drive_group, only: drive_group_t, drive_of
    use psalm_drive_study, only: drive_study_t
@@ -63,7 +66,7 @@ contains
       end do
       study%modes = size(study%links)
       points = finer*max(size(drive_study%inertia), maxval([(size(links(i)%cycle%turning), i=1, size(links))]))
-      call find_matrices(set, drive, drive_study, links, points, m, c, k, p)
+      call find_matrices(drive, drive_study, links, points, m, c, k, p)
       study%possible = all([(is_positive(m(:, :, n)), n=1, points)])
       if (.not. study%possible) return
       associate (size_of => study%modes + 1)
@@ -89,8 +92,7 @@ contains
    end subroutine find_drive_links
 
    !> M y'' + C y' + K y = p at equal steps of a turn, over J0 w**2.
-   subroutine find_matrices(set, drive, drive_study, links, points, m, c, k, p)
-      type(data_set_t), intent(in) :: set
+   subroutine find_matrices(drive, drive_study, links, points, m, c, k, p)
       type(drive_group_t), intent(in) :: drive
       type(drive_study_t), intent(in) :: drive_study
       type(flex_study_t), intent(in) :: links(:)
@@ -98,10 +100,19 @@ contains
       real(wp), allocatable, intent(out) :: m(:, :, :), c(:, :, :), k(:, :, :) !! shape (unknowns, unknowns, points)
       real(wp), allocatable, intent(out) :: p(:, :) !! shape (unknowns, points)
       type(periodic_t) :: g, d1, d2, torque, viscous
-      real(wp) :: speed, root, values(points)
+      type(crank_motion_t) :: crank
+      real(wp), dimension(points) :: values, rate, push
+      real(wp) :: speed, root
       integer :: i, j, l, n, first, unknowns
 
-      speed = abs(set%rates%speed)
+      crank = drive_study%turn%crank%at_steps(points)
+      speed = crank%speed
+      rate = 1.0_wp
+      push = 0.0_wp
+      if (crank%varies) then
+         rate = crank%rate
+         push = crank%push
+      end if
       root = sqrt(drive_study%of_crank%mean)
       unknowns = 1 + sum(links%solved_modes)
       allocate (m(unknowns, unknowns, points), c(unknowns, unknowns, points), k(unknowns, unknowns, points), p(unknowns, points), &
@@ -118,10 +129,11 @@ contains
       m(1, 1, :) = g%values(points)
       values = viscous%values(points)
       c(1, 1, :) = d1%values(points) + drive%damping*drive_study%d + values
-      p(1, :) = -0.5_wp*d1%values(points) + torque%values(points) - values
+      p(1, :) = -0.5_wp*d1%values(points)*rate + torque%values(points) - values*rate - m(1, 1, :)*push
       torque = torque%derivative(1)
       viscous = viscous%derivative(1)
-      k(1, 1, :) = drive_study%d**2 + 0.5_wp*d2%values(points) - torque%values(points) + viscous%values(points)
+      k(1, 1, :) = drive_study%d**2 + 0.5_wp*d2%values(points) - torque%values(points)/rate + viscous%values(points) &
+                   + 0.5_wp*d1%values(points)*push/rate
       first = 1
       do l = 1, size(links)
          do j = 1, links(l)%solved_modes
@@ -131,7 +143,7 @@ contains
                c(n, first + i, :) = c(n, first + i, :) + links(l)%c(j, i)%values(points)
                k(n, first + i, :) = links(l)%k(j, i)%values(points)
             end do
-            call couple(links(l)%forces(:, j, :), n)
+            call couple(links(l)%forces(:, j, :), links(l)%cycle%turn%crank, n)
          end do
          first = first + links(l)%solved_modes
       end do
@@ -159,8 +171,9 @@ contains
       end subroutine weigh
 
       !> A mode and the crank.
-      subroutine couple(forces, n)
+      subroutine couple(forces, turning, n)
          real(wp), intent(in) :: forces(:, :)    !! shape (positions, parts)
+         type(crank_motion_t), intent(in) :: turning !! at these positions
          integer, intent(in) :: n
          type(periodic_t) :: a, b, d, f, r, slope
 
@@ -169,20 +182,27 @@ contains
          f = periodic_from_samples(forces(:, part_fixed)/(root*speed**2))
          r = periodic_from_samples(forces(:, part_damped)/(root*speed))
          slope = a%derivative(1)
-         d = slope%plus(b%scaled(-1.0_wp))
          m(1, n, :) = a%values(points)
          m(n, 1, :) = m(1, n, :)
          p(n, :) = -b%values(points) + f%values(points) + r%values(points)
+         if (turning%varies) then
+            b = periodic_from_samples((forces(:, part_pushed)*turning%push - forces(:, part_inertia))/(root*turning%rate**2))
+            r = periodic_from_samples(forces(:, part_damped)/(root*speed*turning%rate))
+            d = periodic_from_samples(slope%values(points)/rate - b%values(points))
+         else
+            d = slope%plus(b%scaled(-1.0_wp))
+         end if
          values = r%values(points)
-         c(1, n, :) = 2.0_wp*d%values(points) - values
-         c(n, 1, :) = 2.0_wp*b%values(points) - values
+         c(1, n, :) = 2.0_wp*d%values(points)*rate - values
+         c(n, 1, :) = 2.0_wp*b%values(points)*rate - values
+         k(1, n, :) = 2.0_wp*d%values(points)*push
          d = d%derivative(1)
          b = b%derivative(1)
          f = f%derivative(1)
          r = r%derivative(1)
-         values = f%values(points)
-         k(1, n, :) = d%values(points) - values
-         k(n, 1, :) = b%values(points) - values - r%values(points)
+         values = f%values(points)/rate
+         k(1, n, :) = k(1, n, :) + (d%values(points)*rate - values)
+         k(n, 1, :) = b%values(points)*rate - values - r%values(points) + slope%values(points)*push/rate
       end subroutine couple
    end subroutine find_matrices
 

@@ -2,6 +2,7 @@
 !> Source: Haines, chapter 7.
 module psalm_drive_study
    use psalm_coupled_hill, only: coupled_t
+   use psalm_crank_motion, only: crank_motion_t
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
@@ -42,7 +43,7 @@ module psalm_drive_study
       logical :: ratio_real = .false.            !! it is real all over the turn
       integer :: waves = 1                       !! periods of the inertia in a turn
       type(hill_t) :: hill                       !! y, waves times the swing of the crank, by x, waves times its angle
-      real(wp), allocatable :: inertia(:)        !! at equal steps of a period, kg m2
+      real(wp), allocatable :: inertia(:)        !! at equal steps of the time of a period, kg m2
       logical :: loaded = .false.                !! weight, loads, springs or dampers act
       real(wp), allocatable :: torque(:)         !! of weight, loads and springs at the same places, in the sense of turning, N m
       real(wp), allocatable :: viscous(:)        !! torque of dampers against the turning at 1 rad/s, N m s
@@ -76,12 +77,13 @@ module psalm_drive_study
       end function matters
 
       !> Steady state of the drive at the speed of RATES.
-      module subroutine find_drive(set, given, dimensions, model, study, stop)
+      module subroutine find_drive(set, given, dimensions, model, crank, study, stop)
          implicit none (type, external)
          type(data_set_t), intent(in) :: set
          type(problem_t), intent(in) :: given
          type(dimensions_t), intent(in) :: dimensions
          type(force_model_t), intent(in) :: model
+         type(crank_motion_t), intent(in) :: crank  !! of the far end of the shaft, known
          type(drive_study_t), intent(out) :: study
          type(stop_t), intent(in), optional :: stop !! asked now and then; the speeds so far are there
       end subroutine find_drive

@@ -5,11 +5,11 @@ submodule(psalm_drive_study) psalm_drive_study_body
    use psalm_force_model, only: parameter_mass, parameter_mx, parameter_my, parameter_inertia
    use psalm_coupled_hill, only: solve_coupled, places_for
    use psalm_hill, only: solve_hill, greatest_of
-   use psalm_kinds, only: pi, full_turn
+   use psalm_kinds, only: pi
    use psalm_link_cycle, only: inertia_at_crank
    use psalm_reduced, only: reduced_t, reduce_machine
    use psalm_mechanism, only: mechanism_t, body_frame, joint_revolute
-   use psalm_periodic, only: periodic_t, periodic_from_samples
+   use psalm_periodic, only: periodic_t, periodic_constant, periodic_from_samples
    use psalm_rate_study, only: rate_study_t, find_rates
    use psalm_stop, only: is_to_end, tell_host
    implicit none (type, external)
@@ -44,34 +44,34 @@ contains
       study%acceleration = 0.0_wp
       if (drive%ripple > 0.0_wp) then
          study%waves = 2
-         study%turn%sense = sign(1.0_wp, set%rates%speed)
-         study%inertia = drive%extra*(1.0_wp + drive%ripple*study%turn%sense &
+         study%turn%crank = crank
+         study%inertia = drive%extra*(1.0_wp + drive%ripple*crank%sense &
                                           *[(sin(2.0_wp*pi*real(i - 1, wp)/real(drive%points, wp)), i=1, drive%points)])
       else
          used = model
          if (.not. drive%offsets) then
-            call inertia_at_crank(given, dimensions, model, drive%points, sign(1.0_wp, set%rates%speed), whole, study%turn)
+            call inertia_at_crank(given, dimensions, model, drive%points, crank, whole, study%turn)
             if (study%turn%failure > 0) return
             whole = whole + drive%extra
             if (all(whole > 0.0_wp)) study%with_offsets = extent_of(whole)
             call drop_offsets(given%mechanism, used)
          end if
-         call inertia_at_crank(given, dimensions, used, drive%points, sign(1.0_wp, set%rates%speed), study%inertia, &
-                               study%turn)
+         call inertia_at_crank(given, dimensions, used, drive%points, crank, study%inertia, study%turn)
          if (study%turn%failure > 0) return
          study%inertia = study%inertia + drive%extra
-         call find_torque(drive, given, model, study)
+         call find_torque(given, model, study)
       end if
       waves = real(study%waves, wp) ! x = waves phi, y = waves theta
       study%massless = .not. all(study%inertia > 0.0_wp)
       if (study%massless) return
       inertia = periodic_from_samples(study%inertia)
       study%of_crank = extent_of(study%inertia)
-      speed = abs(set%rates%speed)
+      speed = crank%speed
       study%resolution = inertia%resolution()
-      if (study%loaded) then
+      if (study%loaded .or. crank%varies) then
          acting = acting_at(study, speed)
-         study%resolution = max(study%resolution, acting%torque%resolution(), acting%damping%resolution())
+         study%resolution = max(study%resolution, acting%torque%resolution(), acting%damping%resolution(), &
+                                acting%push%resolution())
       end if
       if (drive%ratio > 0.0_wp) then
          call ratio_for_mean(inertia, drive%ratio/waves, study%d, ok, acting=acting)
@@ -94,6 +94,7 @@ contains
             if (modulo(n, study%waves) == 0) study%swing(n) = y%amplitude(n/study%waves)
          end do
          y = periodic_from_samples(waves*study%hill%y2)
+         if (crank%varies) y = y%plus(acting%push)
          do n = 0, drive%harmonics
             if (modulo(n, study%waves) == 0) study%acceleration(n) = y%amplitude(n/study%waves)
          end do
@@ -110,7 +111,7 @@ contains
          associate (row => study%speeds(i), first => drive%slowest, last => drive%fastest)
             row%speed = first
             if (drive%speeds > 1) row%speed = first + (last - first)*real(i - 1, wp)/real(drive%speeds - 1, wp)
-            if (study%loaded) acting = acting_at(study, row%speed)
+            if (allocated(acting)) acting = acting_at(study, row%speed)
             call find_row(inertia, natural/(waves*row%speed), waves, drive%damping, row, acting)
          end associate
          call tell_host(stop, i, drive%speeds)
@@ -118,21 +119,18 @@ contains
    end procedure find_drive
 
    !> Torque of weight, loads, springs and dampers on the crank, where the centres of mass are.
-   subroutine find_torque(drive, given, model, study)
-      type(drive_group_t), intent(in) :: drive
+   subroutine find_torque(given, model, study)
       type(problem_t), intent(in) :: given
       type(force_model_t), intent(in) :: model
       type(drive_study_t), intent(inout) :: study
       class(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(reduced_t) :: reduced
-      integer :: i
 
       study%loaded = size(model%loads) > 0 .or. size(model%springs) > 0 .or. any(abs(model%gravity) > 0.0_wp)
       if (.not. study%loaded) return
       allocate (problem, source=given)
-      call reduce_machine(problem, model, [(study%turn%sense*full_turn*real(i - 1, wp)/real(drive%points, wp), &
-                                            i=1, drive%points)], reduced)
-      study%torque = study%turn%sense*reduced%torque
+      call reduce_machine(problem, model, study%turn%crank%input, reduced)
+      study%torque = study%turn%crank%sense*reduced%torque
       study%viscous = reduced%damping
    end subroutine find_torque
 
@@ -141,8 +139,17 @@ contains
       type(drive_study_t), intent(in) :: study
       real(wp), intent(in) :: speed              !! rad/s
 
-      acting_at%torque = periodic_from_samples(study%torque/(study%of_crank%mean*speed**2))
-      acting_at%damping = periodic_from_samples(study%viscous/(study%of_crank%mean*speed))
+      acting_at%torque = periodic_constant(0.0_wp)
+      acting_at%damping = periodic_constant(0.0_wp)
+      acting_at%rate = periodic_constant(1.0_wp)
+      acting_at%push = periodic_constant(0.0_wp)
+      if (study%loaded) then
+         acting_at%torque = periodic_from_samples(study%torque/(study%of_crank%mean*speed**2))
+         acting_at%damping = periodic_from_samples(study%viscous/(study%of_crank%mean*speed))
+      end if
+      if (.not. study%turn%crank%varies) return
+      acting_at%rate = periodic_from_samples(study%turn%crank%rate)
+      acting_at%push = periodic_from_samples(study%turn%crank%push)
    end function acting_at
 
    pure type(inertia_t) function extent_of(samples)
@@ -156,7 +163,7 @@ contains
       extent_of%steepest = maxval(abs(slope%values(size(samples))))/(2.0_wp*extent_of%mean)
    end function extent_of
 
-   !> Harmonics of the output's acceleration when the crank swings, and when it does not: o'' (1 + y')**2 + o' y''.
+   !> Harmonics of the output's acceleration when the crank swings, and when it does not: o'' (psi' + y')**2 + o' (psi'' + y'').
    subroutine follow_output(set, drive, given, dimensions, study)
       type(data_set_t), intent(in) :: set
       type(drive_group_t), intent(in) :: drive
@@ -166,24 +173,30 @@ contains
       class(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(rate_study_t) :: rates
       type(periodic_t) :: swing, flexible, rigid
-      real(wp), dimension(drive%points) :: d1, d2
-      integer :: c, i, n
+      real(wp), dimension(drive%points) :: d1, d2, rate, push
+      integer :: c, n
 
       allocate (problem, source=given)
-      call problem%set_inputs([(study%turn%sense*full_turn*real(i - 1, wp)/real(drive%points, wp), i=1, drive%points)])
+      call problem%set_inputs(study%turn%crank%input)
       call find_rates(set, problem, dimensions, rates, every_arc=.false.)
       if (rates%is_violating()) return
       swing = periodic_from_samples(study%hill%y1)
       d1 = swing%values(drive%points)
       swing = periodic_from_samples(study%hill%y2)
       d2 = swing%values(drive%points)
+      rate = 1.0_wp
+      push = 0.0_wp
+      if (study%turn%crank%varies) then
+         rate = study%turn%crank%rate
+         push = study%turn%crank%push
+      end if
       deallocate (study%output, study%rigid)
       allocate (study%output(0:drive%harmonics, size(rates%by_input, 2)))
       allocate (study%rigid, mold=study%output)
       do c = 1, size(study%output, 2)
-         associate (o1 => study%turn%sense*rates%by_input(1, c, :), o2 => rates%by_input(2, c, :))
-            rigid = periodic_from_samples(o2)
-            flexible = periodic_from_samples(o2*(1.0_wp + d1)**2 + o1*d2)
+         associate (o1 => study%turn%crank%sense*rates%by_input(1, c, :), o2 => rates%by_input(2, c, :))
+            rigid = periodic_from_samples(o2*rate**2 + o1*push)
+            flexible = periodic_from_samples(o2*(rate + d1)**2 + o1*(push + d2))
          end associate
          do n = 0, drive%harmonics
             study%rigid(n, c) = rigid%amplitude(n)

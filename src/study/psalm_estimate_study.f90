@@ -7,7 +7,7 @@
 !> the pins and the greatest rate at which the relative acceleration of a pin that is set free changes (2J). The rules of the
 !> verdict are his (2B, 2G, 2M). Source: Haines, chapter 2, with his bounds of chapter 1.
 module psalm_estimate_study
-   use psalm_data_set, only: data_set_t
+   use psalm_crank_motion, only: crank_motion_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_force_model, only: force_model_t
@@ -98,14 +98,14 @@ module psalm_estimate_study
 
 contains
 
-   subroutine find_estimate(set, given, dimensions, model, beam, clearance, points, estimate)
-      type(data_set_t), intent(in) :: set
+   subroutine find_estimate(given, dimensions, model, beam, clearance, points, crank, estimate)
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       type(beam_t), intent(in) :: beam
       real(wp), intent(in) :: clearance          !! of its pins, diametral, m; 0: not known
       integer, intent(in) :: points              !! positions in a turn
+      type(crank_motion_t), intent(in) :: crank  !! known
       type(estimate_t), intent(out) :: estimate
       type(moving_link_t) :: link
       type(periodic_t) :: acceleration, derived
@@ -114,9 +114,9 @@ contains
       real(wp) :: speed, stiffness, delta
       integer :: k
 
-      call find_link_cycle(given, dimensions, model, beam, points, sign(1.0_wp, set%rates%speed), estimate%cycle)
+      call find_link_cycle(given, dimensions, model, beam, points, crank, estimate%cycle)
       if (estimate%cycle%failure > 0) return
-      speed = abs(set%rates%speed)
+      speed = crank%speed
       stiffness = beam%modulus*beam%area*beam%gyration**2
       associate (c => estimate%cycle, e => estimate)
          middle = speed**2*(c%across + 0.5_wp*c%length*c%turning)
@@ -194,7 +194,7 @@ contains
                if (joint%kind /= joint_revolute .or. all(joint%bodies /= mechanism%arcs(n)%body) .or. &
                    all(mechanism%arcs(n)%ends /= joint%point)) cycle
             end associate
-            call find_joint_load(given, dimensions, with_link, j, size(e%cycle%own), sign(speed, e%cycle%sense), load)
+            call find_joint_load(given, dimensions, with_link, j, size(e%cycle%own), e%cycle%crank, load)
             if (load%failure > 0 .or. load%loose > 0) cycle
             if (any(load%tensor(1, :)*load%tensor(3, :) <= load%tensor(2, :)**2)) cycle
             e%jerk = max(e%jerk, jerk_of(load, speed))
@@ -256,7 +256,7 @@ contains
          end do
       end associate
       if (pin == 0) return
-      call find_joint_load(given, dimensions, model, pin, size(e%cycle%own), sign(speed, e%cycle%sense), load)
+      call find_joint_load(given, dimensions, model, pin, size(e%cycle%own), e%cycle%crank, load)
       if (load%failure > 0 .or. load%loose > 0) return
       associate (u => e%cycle%direction, m => load%tensor)
          mass = u(1, :)**2*m(1, :) + 2.0_wp*u(1, :)*u(2, :)*m(2, :) + u(2, :)**2*m(3, :)

@@ -13,11 +13,12 @@ module psalm_exact_study
    use psalm_exact_subsets, only: find_by_subsets, subset_study_t
    use psalm_function_points, only: function_point_t, generators_t, five_points, four_points, three_points
    use psalm_generic, only: generic_solutions
+   use psalm_generic_counts, only: solutions_of
    use psalm_guided_six_bars, only: arm_t, guided_study_t, find_guided, place_arm, poses_guided
    use psalm_kinds, only: wp, full_turn, pi, radians_per_degree
    use psalm_leg_lanes, only: problem_path_t
-   use psalm_leg_problem, only: absolute, at_a, at_ah, at_b, at_bh, at_x, at_y, kind_point, kind_pose, kind_timed, leg_data_t, &
-                                leg_problem_t, make_problem, most_points, random_unit, turns_of, variables
+   use psalm_leg_problem, only: absolute, at_a, at_ah, at_b, at_bh, at_x, at_y, kind_point, kind_pose, kind_rate, kind_timed, &
+                                leg_data_t, leg_problem_t, make_problem, most_points, random_unit, turns_of, variables
    use psalm_angles, only: unit_vector
    use psalm_minimax, only: approximation_t, approximate
    use psalm_monodromy, only: generic_t, scale_problem, scale_solutions
@@ -58,30 +59,6 @@ module psalm_exact_study
    real(wp), parameter :: apart = 1.0e-6_wp          !! radians between two angles of points of six-bars
    real(wp), parameter :: outlying = 0.1_wp          !! size of all points without one that lies far from them, over that with it
 
-   !> Finite solutions of a generic problem; of nine points without exchange of the legs and cognates. Computed by monodromy, every
-   !> number unchanged over at least six further loops; 8652/6 and 36 are those of Wampler, Morgan and Sommese (1992).
-   type :: kind_t
-      integer :: points, poses, timed                !! beyond the first
-      logical :: slides, crank_given, follower_given
-      integer :: solutions
-   end type kind_t
-
-   logical, parameter :: y = .true., n = .false.
-   type(kind_t), parameter :: rows(*) = [ &
-      kind_t(0, 4, 0, n, n, n, 12), kind_t(2, 3, 0, n, n, n, 60), kind_t(4, 2, 0, n, n, n, 402), kind_t(6, 1, 0, n, n, n, 2224), &
-      kind_t(0, 0, 4, n, n, n, 12), kind_t(2, 0, 3, n, n, n, 60), kind_t(4, 0, 2, n, n, n, 402), kind_t(6, 0, 1, n, n, n, 2224), &
-      kind_t(0, 1, 3, n, n, n, 15), kind_t(0, 2, 2, n, n, n, 15), kind_t(0, 3, 1, n, n, n, 15), &
-      kind_t(2, 1, 2, n, n, n, 94), kind_t(2, 2, 1, n, n, n, 94), kind_t(4, 1, 1, n, n, n, 556), &
-      kind_t(4, 0, 0, n, y, y, 36), kind_t(2, 1, 0, n, y, y, 6), kind_t(2, 0, 1, n, y, y, 8), &
-      kind_t(0, 2, 0, n, y, y, 1), kind_t(0, 0, 2, n, y, y, 1), kind_t(0, 1, 1, n, y, y, 1), &
-      kind_t(6, 0, 0, n, y, n, 486), kind_t(4, 1, 0, n, y, n, 94), kind_t(2, 2, 0, n, y, n, 12), &
-      kind_t(6, 0, 0, n, n, y, 486), kind_t(4, 1, 0, n, n, y, 94), kind_t(2, 2, 0, n, n, y, 12), &
-      kind_t(4, 0, 1, n, y, n, 94), kind_t(2, 0, 2, n, y, n, 12), kind_t(4, 0, 1, n, n, y, 140), kind_t(2, 0, 2, n, n, y, 28), &
-      kind_t(7, 0, 0, y, n, n, 558), kind_t(5, 1, 0, y, n, n, 202), kind_t(3, 2, 0, y, n, n, 42), kind_t(1, 3, 0, y, n, n, 6), &
-      kind_t(5, 0, 1, y, n, n, 202), kind_t(3, 0, 2, y, n, n, 42), kind_t(1, 0, 3, y, n, n, 6), &
-      kind_t(5, 0, 0, y, y, n, 62), kind_t(3, 1, 0, y, y, n, 14), kind_t(1, 2, 0, y, y, n, 2), kind_t(3, 0, 1, y, y, n, 14), &
-      kind_t(1, 0, 2, y, y, n, 2)]
-
    type :: exact_study_t
       integer :: way = way_legs
       integer :: expected = 0                        !! solutions of a generic problem; 0: not known
@@ -93,6 +70,7 @@ module psalm_exact_study
                                                      !! passes a given point in two positions
       integer :: real_ends = 0                       !! of the distinct ends those that are real
       integer :: linkages = 0                        !! real linkages, without exchange of the legs
+      logical :: cognates = .false.                  !! each of these stands for three linkages that draw one curve
       logical :: complete = .false.
       logical :: degenerate = .false.                !! more than finitely many
       logical :: symmetric = .false.                 !! points leave a curve of symmetric linkages besides
@@ -143,7 +121,7 @@ contains
          return
       end if
       if (size(p) > most_points + 1) then
-         if (lie_on_circle(p)) call complain('XP', 'the points lie on one circle or line: one link draws it')
+         if (lie_on_circle(p, exact)) call complain('XP', 'the points lie on one circle or line: one link draws it')
          return
       end if
       do i = 1, size(p)
@@ -186,6 +164,11 @@ contains
          return
       end if
       if (leaves_curves(exact)) return
+      if (size(p) - 1 + terms_along(exact) > most_points) then
+         call complain('TANP', to_text(size(p))//' points and '//to_text(terms_along(exact))//' tangents and curvatures are '// &
+                       to_text(size(p) + terms_along(exact))//' conditions; no linkage meets more than nine: give fewer')
+         return
+      end if
       if (exact%block) then
          call complain('SLIDER', "a line of the coupler through a fixed pivot (SLIDER=2) is found for four poses, or for "// &
                        "three with the crank's pivot; five poses have one without being asked if they are those of one")
@@ -193,8 +176,8 @@ contains
       end if
       call problem_of(exact, problem)
       if (problem%is_square()) then
-         if (all(problem%kind(:problem%points) == kind_point) .and. .not. problem%crank_given .and. &
-             .not. problem%follower_given .and. lie_on_circle(p)) call complain('XP', &
+         if (all(problem%kind(:problem%points) == kind_point .or. problem%kind(:problem%points) == kind_rate) .and. &
+             .not. problem%crank_given .and. .not. problem%follower_given .and. lie_on_circle(p, exact)) call complain('XP', &
             'the points lie on one circle or line: infinitely many linkages pass them')
          if (.not. leaves_symmetric_curve(exact)) return
          text = 'with both pivots on it'
@@ -204,9 +187,12 @@ contains
                                   'listed. Move a point, or a given pivot off the line, for a complete list', 1)
          return
       end if
-      conditions = sum(merge(1, 2, problem%kind(:problem%points) == kind_point))
-      text = 'the points make '//to_text(conditions)//' conditions (a point 1, a pose or timed point 2, the first none), '// &
-             'but the linkage has '//to_text(problem%unknowns)//' dimensions to choose: '
+      conditions = sum(merge(2, 1, problem%kind(:problem%points) == kind_pose .or. &
+                                   problem%kind(:problem%points) == kind_timed))
+      text = ''
+      if (exact%has_tangents()) text = 'a tangent or curvature 1, '
+      text = 'the points make '//to_text(conditions)//' conditions (a point 1, a pose or timed point 2, '//text// &
+             'the first none), but the linkage has '//to_text(problem%unknowns)//' dimensions to choose: '
       if (conditions < problem%unknowns) then
          call complain('XP', text//'infinitely many pass; give more')
       else
@@ -233,6 +219,28 @@ contains
          call set%origins%error(findings, 'EXACT', item, message, 1)
       end subroutine complain
    end subroutine check_exact
+
+   !> How many tangents and curvatures are given.
+   pure integer function terms_along(exact)
+      type(exact_group_t), intent(in) :: exact
+
+      terms_along = count(.not. is_missing(exact%tangent)) + count(.not. is_missing(exact%bend))
+   end function terms_along
+
+   !> Directions of the path at the points, 0 where none is given.
+   pure function directions_of(exact) result(along)
+      type(exact_group_t), intent(in) :: exact
+      complex(wp) :: along(size(exact%x))
+      real(wp) :: c, s
+      integer :: i
+
+      along = (0.0_wp, 0.0_wp)
+      do i = 1, size(along)
+         if (is_missing(exact%tangent(i))) cycle
+         call unit_vector(exact%tangent(i), c, s)
+         along(i) = cmplx(c, s, wp)
+      end do
+   end function directions_of
 
    !> First pose that the chain of six-bars does not reach, 0 if there is none.
    subroutine check_arm(exact, pose)
@@ -272,25 +280,42 @@ contains
 
       leaves_symmetric_curve = all(is_missing(exact%angle(2:)) .and. is_missing(exact%time(2:)))
       if (leaves_symmetric_curve) leaves_symmetric_curve = leave_a_curve(cmplx(exact%x, exact%y, wp), &
-         pack(cmplx(exact%pivots(1::2), exact%pivots(2::2), wp), [exact%crank_pivot, exact%follower_pivot]), exact%slider)
+         pack(cmplx(exact%pivots(1::2), exact%pivots(2::2), wp), [exact%crank_pivot, exact%follower_pivot]), exact%slider, &
+         directions_of(exact), exact%bend, .not. is_missing(exact%bend))
    end function leaves_symmetric_curve
 
-   !> True if points lie on one circle or line, as far as rounding tells.
-   pure logical function lie_on_circle(p)
+   !> True if points lie on one circle or line, which has their tangents and curvatures too, as far as rounding tells.
+   pure logical function lie_on_circle(p, exact)
       complex(wp), intent(in) :: p(:)
-      complex(wp) :: q(size(p))
+      type(exact_group_t), intent(in) :: exact       !! tangents and curvatures
+      complex(wp) :: q(size(p)), along(size(p))
       type(factors_t) :: factors
-      real(wp) :: m(4, 4), row(4), vector(4), norm
-      integer :: i, k, turns
+      real(wp) :: m(4, 4), rows(4, 3*size(p)), vector(4), norm
+      integer :: i, k, n, turns
 
-      lie_on_circle = size(p) > 3
+      n = size(p)
+      lie_on_circle = n + terms_along(exact) > 3
       if (.not. lie_on_circle) return
       q = (p - sum(p)/real(size(p), wp))/span_of(p)
-      m = 0.0_wp
       do i = 1, size(p)
-         row = [abs(q(i))**2, real(q(i), wp), aimag(q(i)), 1.0_wp]
+         rows(:, i) = [abs(q(i))**2, real(q(i), wp), aimag(q(i)), 1.0_wp]
+      end do
+      ! the first and second derivative of that along the path
+      along = directions_of(exact)
+      do i = 1, size(p)
+         if (is_missing(exact%tangent(i))) cycle
+         n = n + 1
+         rows(:, n) = [2.0_wp*real(conjg(q(i))*along(i), wp), real(along(i), wp), aimag(along(i)), 0.0_wp]
+         if (is_missing(exact%bend(i))) cycle
+         n = n + 1
+         associate (second => (0.0_wp, 1.0_wp)*(exact%bend(i)*span_of(p))*along(i))
+            rows(:, n) = [2.0_wp + 2.0_wp*real(conjg(q(i))*second, wp), real(second, wp), aimag(second), 0.0_wp]
+         end associate
+      end do
+      m = 0.0_wp
+      do i = 1, n
          do k = 1, 4
-            m(:, k) = m(:, k) + row*row(k)
+            m(:, k) = m(:, k) + rows(:, i)*rows(k, i)
          end do
       end do
       ! the vector that the inverse magnifies most is the circle that fits best
@@ -305,19 +330,26 @@ contains
          if (.not. norm > 0.0_wp) return
          vector = vector/norm
       end do
-      lie_on_circle = maxval(abs(vector(1)*abs(q)**2 + vector(2)*real(q, wp) + vector(3)*aimag(q) + vector(4))) < on_circle
+      lie_on_circle = all(abs(vector(1)*rows(1, :n) + vector(2)*rows(2, :n) + vector(3)*rows(3, :n) + vector(4)*rows(4, :n)) < &
+                          on_circle)
    end function lie_on_circle
 
    !> The problem that the points ask for.
    pure subroutine problem_of(exact, problem)
       type(exact_group_t), intent(in) :: exact
       type(leg_problem_t), intent(out) :: problem
-      integer :: kinds(size(exact%x) - 1)
+      integer :: kinds(size(exact%x) - 1), along(2*size(exact%x)), i, n
 
       kinds = kind_point
       where (.not. is_missing(exact%angle(2:))) kinds = kind_pose
       where (.not. is_missing(exact%time(2:))) kinds = kind_timed
-      call make_problem(kinds, exact%slider, exact%crank_pivot, exact%follower_pivot, problem)
+      n = 0
+      do i = 1, size(exact%x)
+         if (is_missing(exact%tangent(i))) cycle
+         along(n + 1:n + 2) = i - 1
+         n = n + merge(1, 2, is_missing(exact%bend(i)))
+      end do
+      call make_problem(kinds, exact%slider, exact%crank_pivot, exact%follower_pivot, problem, along(:n))
    end subroutine problem_of
 
    !> Its numbers. `size` is the length by which they are divided.
@@ -326,12 +358,21 @@ contains
       type(leg_problem_t), intent(in) :: problem
       real(wp), intent(in) :: size
       type(leg_data_t), intent(out) :: data
-      complex(wp) :: first, a, b
+      complex(wp) :: first, a, b, along(ubound(exact%x, 1))
       real(wp) :: angle
       integer :: j
 
       first = cmplx(exact%x(1), exact%y(1), wp)
+      along = directions_of(exact)
       do j = 1, problem%points
+         if (problem%kind(j) == kind_rate) then
+            associate (i => problem%chain(0, j) + 1)
+               data%d(j) = along(i)
+               if (problem%order(j) > 1) data%d(j) = cmplx(0.0_wp, 0.5_wp*exact%bend(i)*size, wp)*along(i)
+            end associate
+            data%dh(j) = conjg(data%d(j))
+            cycle
+         end if
          data%d(j) = (cmplx(exact%x(j + 1), exact%y(j + 1), wp) - first)/size
          data%dh(j) = conjg(data%d(j))
          if (problem%kind(j) == kind_point) cycle
@@ -559,6 +600,7 @@ contains
       integer :: i, k
 
       study%way = way_nine
+      study%cognates = .true.
       study%expected = nine_point_orbits
       study%generic = nine_point_orbits
       p = cmplx(exact%x, exact%y, wp)
@@ -623,7 +665,8 @@ contains
       is_real = maxval(abs(v(2::2) - conjg(v(1::2)))) < real_within*maxval(abs(v))
    end function is_real
 
-   !> Mixed points, poses and timed points: a generic problem is solved and its solutions followed.
+   !> Mixed points, poses and timed points, tangents and curvatures: a generic problem is solved and its solutions followed. Of
+   !> a path alone, nine conditions, a solution stands for its cognates.
    subroutine find_by_legs(exact, stop, study)
       type(exact_group_t), intent(in) :: exact
       type(stop_t), intent(in) :: stop
@@ -635,18 +678,20 @@ contains
       type(tracked_t) :: tracked
       type(ends_t) :: ends
       type(xoshiro_t) :: random
-      type(exact_linkage_t) :: one
+      type(exact_linkage_t) :: one, others(2)
       complex(wp), allocatable :: starts(:, :), found(:, :)
       complex(wp), allocatable :: turns(:, :), partners(:, :)
       complex(wp) :: v(variables), legs(variables), l, m, first
       logical, allocatable :: likely(:)
       real(wp), allocatable :: left(:)
-      real(wp) :: size_of_all, degrees(size(exact%x))
-      integer :: i, pass, before
+      complex(wp) :: points(0:most_points)
+      real(wp) :: size_of_all, degrees(0:most_points), curvatures(0:most_points)
+      integer :: i, k, pass, before
 
       study%way = way_legs
       call problem_of(exact, problem)
-      study%expected = expected_of(problem)
+      study%cognates = problem%has_cognates()
+      study%expected = solutions_of(problem)
       call generic_solutions(problem, study%expected, generic, stop)
       study%generic = size(generic%solutions, 2)
       size_of_all = span_of(cmplx(exact%x, exact%y, wp))
@@ -663,8 +708,8 @@ contains
          call scale_problem(problem, generic%data, l, m, turned)
          call scale_solutions(problem, l, m, starts)
          path%from = turned
-         call track_carefully(path, starts, .false., tracked, stop)
-         call take_ends(path, tracked, .false., ends)
+         call track_carefully(path, starts, problem%has_cognates(), tracked, stop)
+         call take_ends(path, tracked, problem%has_cognates(), ends)
          study%passes = pass
          if (ends%complete() .or. ends%stopped) exit
          if (pass > 1 .and. ends%settled + size(ends%regular, 2) == before) exit
@@ -693,9 +738,9 @@ contains
          study%real_ends = study%real_ends + 1
          legs = absolute(problem, v)
          ! of two solutions with exchanged legs one is enough
-         if (problem%is_symmetric() .and. comes_second(legs)) cycle
+         if (problem%is_symmetric() .and. .not. problem%has_cognates() .and. comes_second(legs)) cycle
          one%p = cmplx(exact%x, exact%y, wp)
-         associate (turn => 1.0_wp + turns(:problem%points, i))
+         associate (turn => 1.0_wp + turns(:size(exact%x) - 1, i))
             one%turn = [(1.0_wp, 0.0_wp), turn/abs(turn)]
          end associate
          one%a = first + size_of_all*legs(at_a)
@@ -708,6 +753,11 @@ contains
          end if
          call add_result(assessed(one, .not. (problem%crank_given .or. problem%follower_given) .and. &
                                 all(problem%kind(:problem%points) /= kind_timed), exact%closed), study%results)
+         if (.not. problem%has_cognates()) cycle
+         call cognates_of(one, others)
+         do k = 1, size(others)
+            call add_result(assessed(others(k), .true., exact%closed), study%results)
+         end do
       end do
       study%linkages = size(study%results)
       call rank(study%results)
@@ -715,10 +765,24 @@ contains
       study%examined = .true.
       call scale_solutions(problem, cmplx(size_of_all, kind=wp), cmplx(size_of_all, kind=wp), found)
       degrees = 0.0_wp
-      where (.not. is_missing(exact%angle)) degrees = exact%angle
-      if (any(problem%kind == kind_timed)) where (.not. is_missing(exact%time)) degrees = exact%time
-      call certify_legs(problem, cmplx(exact%x, exact%y, wp), degrees, cmplx(exact%pivots(1::2), exact%pivots(2::2), wp), found, &
-                        turns, partners, likely, .false., study%certificate)
+      curvatures = 0.0_wp
+      points = (0.0_wp, 0.0_wp)
+      do i = 0, size(exact%x) - 1
+         points(i) = cmplx(exact%x(i + 1), exact%y(i + 1), wp)
+         if (.not. is_missing(exact%angle(i + 1))) degrees(i) = exact%angle(i + 1)
+         if (any(problem%kind == kind_timed) .and. .not. is_missing(exact%time(i + 1))) degrees(i) = exact%time(i + 1)
+      end do
+      do k = size(exact%x), problem%points
+         i = problem%chain(0, k) + 1
+         degrees(k) = exact%tangent(i)
+         if (problem%order(k) > 1) curvatures(k) = exact%bend(i)
+         ! by the arc as it is, no longer by that over the size of all
+         turns(k, :) = turns(k, :)/size_of_all**problem%order(k)
+         partners(k, :) = partners(k, :)/size_of_all**problem%order(k)
+      end do
+      call certify_legs(problem, points(:problem%points), degrees(:problem%points), &
+                        cmplx(exact%pivots(1::2), exact%pivots(2::2), wp), found, turns, partners, likely, &
+                        problem%has_cognates(), study%certificate, curvatures(:problem%points))
    end subroutine find_by_legs
 
    !> True for one of two solutions that are each other's with exchanged legs.
@@ -731,22 +795,6 @@ contains
          comes_second = aimag(legs(at_x)) > aimag(legs(at_y))
       end if
    end function comes_second
-
-   !> Solutions of a generic problem of the kind, 0 if they are not in the table.
-   pure integer function expected_of(problem)
-      type(leg_problem_t), intent(in) :: problem
-      integer :: i
-
-      expected_of = 0
-      associate (kinds => problem%kind(:problem%points))
-         do i = 1, size(rows)
-            if (rows(i)%points == count(kinds == kind_point) .and. rows(i)%poses == count(kinds == kind_pose) .and. &
-                rows(i)%timed == count(kinds == kind_timed) .and. (rows(i)%slides .eqv. problem%slides) .and. &
-                (rows(i)%crank_given .eqv. problem%crank_given) .and. &
-                (rows(i)%follower_given .eqv. problem%follower_given)) expected_of = rows(i)%solutions
-         end do
-      end associate
-   end function expected_of
 
    ! ---- what is proven ------------------------------------------------------------------------------------------------
 
@@ -978,7 +1026,7 @@ contains
       case (4)
          call four_points(points, exact%slider, is_missing(exact%zero_in), &
                           radians_per_degree*merge(exact%zero_out, exact%zero_in, is_missing(exact%zero_in)), study%generators)
-         study%expected = merge(3, 2, exact%slider)
+         study%expected = 2
       case default
          points%phi = phi + exact%zero_in*radians_per_degree
          points%psi = psi + exact%zero_out*unit

@@ -6,6 +6,7 @@
 !> chapter 13 and 15.3; Haines, 2F; Przemieniecki (1968).
 module psalm_flex_study
    use psalm_coupled_hill, only: coupled_t
+   use psalm_crank_motion, only: crank_motion_t
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_driven_masses, only: influence_t, mass_between, origin_motion
@@ -79,13 +80,14 @@ module psalm_flex_study
    interface
       !> Study a link that was made without a mistake. `study%cycle%turn%failure` says where the crank cannot turn: then there is
       !> nothing else.
-      module subroutine find_flex(set, given, dimensions, model, link, study, stop)
+      module subroutine find_flex(set, given, dimensions, model, link, crank, study, stop)
          implicit none (type, external)
          type(data_set_t), intent(in) :: set
          type(problem_t), intent(in) :: given
          type(dimensions_t), intent(in) :: dimensions
          type(force_model_t), intent(in) :: model   !! with the masses of all segments
          type(flexible_link_t), intent(in) :: link
+         type(crank_motion_t), intent(in) :: crank  !! known
          type(flex_study_t), intent(out) :: study
          type(stop_t), intent(in), optional :: stop !! asked now and then
       end subroutine find_flex

@@ -9,7 +9,6 @@ submodule(psalm_flex_study) psalm_flex_study_body
    use psalm_flex_group, only: flex_group_t, flex_of
    use psalm_flexible_link, only: attached_t
    use psalm_flexible_cycle, only: find_flexible_cycle, parts, part_inertia, part_fixed, part_damped, part_pushed
-   use psalm_kinds, only: full_turn
    use psalm_lapack, only: natural_modes, hermitian_eigenvalues, solve_general
    use psalm_linear, only: along_columns, product_of
    use psalm_out_of_plane_study, only: find_out_of_plane, prestress_t
@@ -57,8 +56,8 @@ contains
       flex = flex_of(set)
       study%link = link
       allocate (study%frequency(0), study%damping(0), study%segments(0))
-      speed = abs(set%rates%speed)
-      call find_flexible_cycle(given, dimensions, model, link, flex%points, sign(1.0_wp, set%rates%speed), study%cycle)
+      speed = crank%speed
+      call find_flexible_cycle(given, dimensions, model, link, flex%points, crank, study%cycle)
       study%found = study%cycle%turn%failure > 0
       if (study%found .or. is_to_end(stop)) return
       call add_masses(set, study%link)
@@ -73,7 +72,7 @@ contains
          study%found = .false.
          return
       end if
-      call find_influence(given, dimensions, model, link, flex%points, sign(1.0_wp, set%rates%speed), study%influence)
+      call find_influence(given, dimensions, model, link, flex%points, crank, study%influence)
       study%inertia = model%inertia
       if (link%slide > 0) then
          call hold_slide(free, loading, any(given%mechanism%actuators%joint > 0 .and. .not. given%mechanism%actuators%slides .and. &
@@ -337,12 +336,12 @@ contains
       call add_attached(set, moving%whole, loading, study, stiffness)
       spin = product_of(transpose(shapes), product_of(study%link%frame%spin, shapes))
       do n = 1, positions
-         damping(:, :, n) = 2.0_wp*study%cycle%turn%sense*study%cycle%speed(n)*spin
+         damping(:, :, n) = 2.0_wp*study%cycle%turn%crank%sense*study%cycle%speed(n)*spin
          if (study%link%slide > 0) then
             associate (whole => moving%whole(:, :, n))
                spin = product_of(transpose(whole), product_of(study%link%frame%spin, whole))
             end associate
-            damping(:, :, n) = 2.0_wp*study%cycle%turn%sense*study%cycle%speed(n)*spin + moving%damping(:, :, n)
+            damping(:, :, n) = 2.0_wp*study%cycle%turn%crank%sense*study%cycle%speed(n)*spin + moving%damping(:, :, n)
             stiffness(:, :, n) = stiffness(:, :, n)/speed**2 + study%cycle%turning(n)*spin + moving%stiffness(:, :, n) &
                                  - study%cycle%speed(n)**2*moving%mass(:, :, n)
          else
@@ -599,7 +598,7 @@ contains
                moving%damping(:, :, n) = rate - transpose(rate) + damped_modes(moving%mass(:, :, n))
             end associate
             moving%stiffness(:, :, n) = product_of(product_of(transpose(whole), of_rigid), second(:, :, n)) &
-                                        + 2.0_wp*study%cycle%turn%sense*study%cycle%speed(n)* &
+                                        + 2.0_wp*study%cycle%turn%crank%sense*study%cycle%speed(n)* &
                                         product_of(product_of(transpose(whole), turned), first(:, :, n))
          end associate
       end do
@@ -777,15 +776,8 @@ contains
          least(n) = least(n)/(values(1)*speed**2)
       end do
       study%least_stiffness = minval(least)*(speed/study%frequency(1))**2
-      study%least_at = input_at(minloc(least, dim=1), size(least), study)
+      study%least_at = study%cycle%turn%crank%input(minloc(least, dim=1))
    end subroutine find_least
-
-   pure real(wp) function input_at(position, positions, study)
-      integer, intent(in) :: position, positions
-      type(flex_study_t), intent(in) :: study
-
-      input_at = study%cycle%turn%sense*full_turn*real(position - 1, wp)/real(positions, wp)
-   end function input_at
 
    !> Displacements and stresses over the turn.
    subroutine find_stresses(speed, shapes, loading, study)
@@ -914,7 +906,7 @@ contains
          if (abs(value) <= abs(greatest%value)) return
          greatest%value = value
          greatest%part = part
-         greatest%at = input_at(n, positions, study)
+         greatest%at = study%cycle%turn%crank%input(n)
       end subroutine note
    end subroutine find_stresses
 end submodule psalm_flex_study_body

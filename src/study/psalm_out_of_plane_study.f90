@@ -201,7 +201,7 @@ contains
       integer :: n, i, j, modes
       logical :: ok
 
-      speed = abs(set%rates%speed)
+      speed = cycle_of%turn%crank%speed
       modes = size(shapes, 2)
       places = pack([(i, i=1, size(free))], free)
       call factorise(frame%stiffness(places, places), factors)
@@ -229,7 +229,7 @@ contains
       n = minloc(least, dim=1)
       call find_least(set, link, cycle_of, prestress, frame, places, n, out%frequency(1)**2, least(n))
       out%least_stiffness = least(n)/out%frequency(1)**2
-      out%least_at = cycle_of%turn%sense*full_turn*real(n - 1, wp)/real(size(least), wp)
+      out%least_at = cycle_of%turn%crank%input(n)
       out%solved_modes = count(out%frequency <= far_above*speed)
       if (out%solved_modes > 0) call solve_modes(flex, speed, stiffness, out)
    end subroutine follow_turn

@@ -1,5 +1,6 @@
 !> Everything that ssics studies in a case: what cannot be studied is found before any work is done. Data in, results out.
 module psalm_steady_study
+   use psalm_crank_motion, only: crank_motion_t
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_drive_links_study, only: drive_links_t
@@ -19,6 +20,7 @@ module psalm_steady_study
 
    !> What a case asks for is allocated.
    type :: steady_study_t
+      type(crank_motion_t) :: crank                  !! if it is not known there is nothing else
       type(estimate_t), allocatable :: estimates(:)
       type(vibration_study_t), allocatable :: vibration
       type(flex_study_t), allocatable :: flexible(:)

@@ -1,5 +1,7 @@
 !> Which study is made for which of the groups ESTIM, VIBR, FLEX, DRIVEL and HILL.
 submodule(psalm_steady_study) psalm_steady_study_body
+   use psalm_crank_motion, only: constant_motion
+   use psalm_crank_study, only: check_crank, find_crank
    use psalm_drive_group, only: drive_group_t, hill_group_t, drive_of, hill_of
    use psalm_drive_links_study, only: drive_links_fit, find_drive_links
    use psalm_drive_study, only: find_drive, find_hill
@@ -68,7 +70,15 @@ contains
             call set%origins%error(findings, 'RATES', 'SPEED', 'ssics needs a speed other than 0', 1)
          else if (abs(set%rates%accel) > 0.0_wp) then
             call set%origins%error(findings, 'RATES', 'ACCEL', 'a steady state has a constant speed: no ACCEL', 1)
+         else
+            call check_crank(set, findings)
          end if
+      else if (set%gives('CYCLE')) then
+         call set%origins%error(findings, 'CYCLE', '', 'there is no crank in &HILL; leave &CYCLE out')
+      end if
+      if (asked%drive%given .and. asked%drive%ripple > 0.0_wp .and. set%gives('CYCLE')) then
+         call set%origins%error(findings, 'CYCLE', '', 'DRIPPL of &DRIVEL has a period of half a turn, the speed of a whole '// &
+                                'one; leave one of them out')
       end if
       if (set%loops() == 0) then
          if (asked%vibration%given .or. asked%estimates%given .or. asked%flex%given .or. &
@@ -119,6 +129,13 @@ contains
 
       asked = steady_groups_of(set)
       if (set%loops() > 0) call make_force_model(set, prepared%mechanism, prepared%given, model, unused)
+      if (set%gives('CYCLE')) then
+         call find_crank(set, problem, model_with_links(set, prepared%mechanism, prepared%given, 0, model), study%crank, stop)
+         study%stopped = is_to_end(stop)
+         if (study%stopped .or. .not. study%crank%known) return
+      else
+         study%crank = constant_motion(set%rates%speed)
+      end if
       if (asked%estimates%given) then
          allocate (study%estimates(size(asked%estimates%beams)))
          do k = 1, size(study%estimates)
@@ -131,8 +148,8 @@ contains
                with_links = model_with_links(set, prepared%mechanism, prepared%given, prepared%mechanism%seq(link%loop, link%arc), &
                                              model)
             end associate
-            call find_estimate(set, problem, prepared%given, with_links, asked%estimates%beams(k), &
-                               asked%estimates%clearance(k), asked%estimates%points, study%estimates(k))
+            call find_estimate(problem, prepared%given, with_links, asked%estimates%beams(k), &
+                               asked%estimates%clearance(k), asked%estimates%points, study%crank, study%estimates(k))
          end do
          call assess_estimates(prepared%mechanism, asked%estimates%beams, study%estimates)
       end if
@@ -142,7 +159,7 @@ contains
             with_links = model_with_links(set, prepared%mechanism, prepared%given, prepared%mechanism%seq(link%loop, link%arc), &
                                           model)
          end associate
-         call find_vibration(set, problem, prepared%given, with_links, study%vibration, stop)
+         call find_vibration(set, problem, prepared%given, with_links, study%crank, study%vibration, stop)
          study%stopped = is_to_end(stop)
          if (study%stopped) then
             if (.not. study%vibration%found) deallocate (study%vibration)
@@ -156,7 +173,7 @@ contains
       if (asked%drive%given) then
          allocate (study%drive)
          with_links = model_with_links(set, prepared%mechanism, prepared%given, 0, model)
-         call find_drive(set, problem, prepared%given, with_links, study%drive, stop)
+         call find_drive(set, problem, prepared%given, with_links, study%crank, study%drive, stop)
          study%stopped = is_to_end(stop)
          if (study%stopped) then
             if (.not. study%drive%found) deallocate (study%drive)
@@ -189,7 +206,7 @@ contains
             with_links = model_with_links(set, prepared%mechanism, prepared%given, &
                                           prepared%mechanism%bodies(links(l)%body)%axis, model)
             call add_flexible_links(links(l:l), 0, with_links)
-            call find_flex(set, problem, prepared%given, with_links, links(l), study%flexible(l), stop)
+            call find_flex(set, problem, prepared%given, with_links, links(l), study%crank, study%flexible(l), stop)
             study%stopped = is_to_end(stop)
             if (study%stopped) then
                deallocate (study%flexible)

@@ -3,6 +3,7 @@
 !> Boundaries of stability of every mode by itself, multipliers of all modes together at the speed of RATES, steady response,
 !> a table over speeds, and the chart of boundaries against the inertia of the other links. Source: Oldham, chapters 13 and 14.
 module psalm_vibration_study
+   use psalm_crank_motion, only: crank_motion_t
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
@@ -87,12 +88,13 @@ module psalm_vibration_study
    interface
       !> Vibration of a link that `check_link` found no fault with. `study%cycle%failure` tells where the crank cannot turn: then
       !> there is nothing else.
-      module subroutine find_vibration(set, given, dimensions, model, study, stop)
+      module subroutine find_vibration(set, given, dimensions, model, crank, study, stop)
          implicit none (type, external)
          type(data_set_t), intent(in) :: set
          type(problem_t), intent(in) :: given
          type(dimensions_t), intent(in) :: dimensions
          type(force_model_t), intent(in) :: model
+         type(crank_motion_t), intent(in) :: crank  !! known
          type(vibration_study_t), intent(out) :: study
          type(stop_t), intent(in), optional :: stop !! asked now and then; once `found`, the speeds so far are there
       end subroutine find_vibration

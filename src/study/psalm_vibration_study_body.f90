@@ -2,7 +2,7 @@
 submodule(psalm_vibration_study) psalm_vibration_study_body
    use psalm_floquet, only: coupled_multipliers
    use psalm_hill, only: solve_hill, greatest_of
-   use psalm_kinds, only: pi, full_turn
+   use psalm_kinds, only: pi
    use psalm_link_cycle, only: find_link_cycle, moving_link
    use psalm_link_stress, only: find_curvature, find_pull
    use psalm_link_vibration, only: moving_link_t, mode_stiffness, mode_force, coupling, first_frequency, timoshenko_factor
@@ -46,11 +46,11 @@ contains
 
       vibration = vibration_of(set)
       associate (v => vibration, beam => vibration%beam)
-         call find_link_cycle(given, dimensions, model, beam, v%points, sign(1.0_wp, set%rates%speed), study%cycle)
+         call find_link_cycle(given, dimensions, model, beam, v%points, crank, study%cycle)
          allocate (study%modes(0), study%speeds(0), study%bands(0), study%chart(0), study%multipliers(0))
          study%found = study%cycle%failure > 0
          if (study%found) return
-         speed = abs(set%rates%speed)
+         speed = crank%speed
          euler = first_frequency(study%cycle%length, beam%gyration, beam%modulus, beam%density)
          study%frequency = euler*sqrt(mode_factor(set, study%cycle%length, 1))
          study%ratio = study%frequency/speed
@@ -60,14 +60,14 @@ contains
          allocate (study%modes(v%modes))
          do j = 1, v%modes
             if (is_to_end(stop)) return
-            call find_mode(set, vibration, link, j, w, study%cycle%length, study%modes(j))
+            call find_mode(set, vibration, link, j, w, study%cycle, study%modes(j))
          end do
          f = mode_stiffness(link, 1)
          study%resolution = f%resolution()
          if (allocated(link%acting)) study%mixing = mixing_of(set, vibration, link, w, study%cycle%length)
          if (is_to_end(stop)) return
          call find_multipliers(set, vibration, link, w, study)
-         if (v%stresses) call find_stresses(vibration, link, speed, sign(full_turn, set%rates%speed), study)
+         if (v%stresses) call find_stresses(vibration, link, speed, study)
          study%found = .true.
          study%given_e = v%given_e
          deallocate (study%speeds)
@@ -110,19 +110,20 @@ contains
       if (n > 1) part = real(i - 1, wp)/real(n - 1, wp)
    end function part
 
-   subroutine find_mode(set, vibration, link, j, w, length, mode)
+   subroutine find_mode(set, vibration, link, j, w, cycle_of, mode)
       type(data_set_t), intent(in) :: set
       type(vibration_group_t), intent(in) :: vibration
       type(moving_link_t), intent(in) :: link
       integer, intent(in) :: j
       real(wp), intent(in) :: w       !! squared ratio of Euler's first frequency to the speed
-      real(wp), intent(in) :: length  !! m
+      type(link_cycle_t), intent(in) :: cycle_of
       type(mode_t), intent(out) :: mode
       type(periodic_t) :: f, c0, y
-      real(wp) :: stiffness
+      real(wp) :: stiffness, length
       real(wp), allocatable :: over_turn(:)
       integer :: p, n
 
+      length = cycle_of%length
       f = mode_stiffness(link, j)
       stiffness = w*mode_factor(set, length, j)
       c0 = f%plus(periodic_constant(stiffness))
@@ -134,7 +135,7 @@ contains
       end do
       over_turn = c0%values(vibration%points)
       mode%least_stiffness = minval(over_turn)
-      mode%least_at = sign(full_turn, set%rates%speed)*real(minloc(over_turn, 1) - 1, wp)/real(size(over_turn), wp)
+      mode%least_at = cycle_of%crank%input(minloc(over_turn, 1))
       mode%hill = solve_hill(periodic_constant(2.0_wp*vibration%beam%damping*sqrt(stiffness)), c0, mode_force(link, j), &
             tolerance)
       allocate (mode%amplitude(0:harmonics_listed), source=0.0_wp)
@@ -147,11 +148,10 @@ contains
    end subroutine find_mode
 
    !> Stresses over the turn.
-   subroutine find_stresses(vibration, link, speed, turn, study)
+   subroutine find_stresses(vibration, link, speed, study)
       type(vibration_group_t), intent(in) :: vibration
       type(moving_link_t), intent(in) :: link
       real(wp), intent(in) :: speed              !! rad/s
-      real(wp), intent(in) :: turn               !! of the input, degrees with its sign
       type(vibration_study_t), intent(inout) :: study
       type(periodic_t) :: deflection(size(study%modes))
       real(wp), allocatable :: bending(:, :), along(:, :), both(:, :)   ! shape (positions, places)
@@ -177,7 +177,7 @@ contains
          of%both = maxval(both, dim=2)
          of%place = [(part(maxloc(both(j, :), dim=1), places_along), j=1, n)]
          of%worst = [maxloc(of%bending, dim=1), maxloc(abs(of%along), dim=1), maxloc(of%both, dim=1)]
-         of%at = turn*real(of%worst - 1, wp)/real(n, wp)
+         of%at = study%cycle%crank%input(of%worst)
          of%where = [part(maxloc(bending(of%worst(1), :), dim=1), places_along), &
                      part(maxloc(abs(along(of%worst(2), :)), dim=1), places_along), of%place(of%worst(3))]
       end associate

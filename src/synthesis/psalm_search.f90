@@ -963,7 +963,9 @@ contains
       self%merit%evaluations = candidate%evaluations
       self%merit%jacobians = candidate%jacobians
       if (self%merit%has_range) call set_range(self%merit, [real(wp) ::])
+      self%solver%hasty = .true.
       call improve(self, merge(fine, settling, thorough), 1, values, finer)
+      self%solver%hasty = .false.
       if (finer%feasible .and. finer%objective <= candidate%objective) then
          call unwind(self, values)
          candidate%x = self%merit%point(values, self%merit%delt)

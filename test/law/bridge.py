@@ -13,6 +13,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, minimize_scalar
 
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -185,8 +186,8 @@ def four_bar(place):
     check(verdicts == [0, 1], "contact is kept below the critical clearance and lost above", verdicts)
 
 
-def first_minimum(h1, h2, h3):
-    """Of the force over the least load, in the passage: the equation of the following mode, solved from T = -40."""
+def contact_force(h1, h2, h3):
+    """The force over the least load by T: the equation of the following mode for the lag, solved from T = -40."""
     def acceleration(t, a, da):
         q, p = 1 + t*t, 2*a - 2*numpy.arctan(t) - h2
         return -2*t/q**2 + (h3*(da - 1/q)**2*numpy.sin(p) - h1**3*numpy.sqrt(q)*numpy.sin(a))/(1 + h3*numpy.cos(p))
@@ -199,8 +200,59 @@ def first_minimum(h1, h2, h3):
     start = brentq(lambda a: acceleration(-40.0, a, 0.0), -.5, .5)
     done = solve_ivp(lambda t, y: [y[1], acceleration(t, *y)], [times[0], times[-1]], [start, 0.0], method="DOP853", rtol=1e-10,
                      atol=1e-12, t_eval=times)
-    values = force(done.t, *done.y)
+    return done.t, force(done.t, *done.y)
+
+
+def first_minimum(h1, h2, h3):
+    """In the passage."""
+    values = contact_force(h1, h2, h3)[1]
     return values[1:-1][(values[1:-1] < values[:-2]) & (values[1:-1] <= values[2:])][0]
+
+
+def pulse(h1, h2, h3):
+    """Between the first two minima: T of the greatest force, it, height, width, growth, decay, impulse; the force above the base."""
+    t, values = contact_force(h1, h2, h3)
+    spline = CubicSpline(t, values)
+    slope = spline.derivative()
+    turns = slope.roots(extrapolate=False)
+    bend = slope.derivative()(turns)
+    first = numpy.flatnonzero(bend > 0)[0]
+    low, top, high = turns[first:first + 3]
+    base = max(spline(low), spline(high))
+    height = spline(top) - base
+    half = lambda x: spline(x) - base - height/2
+    left, right = brentq(half, low, top, xtol=1e-14), brentq(half, top, high, xtol=1e-14)
+    fine = numpy.linspace(low, high, 200001)
+    above = numpy.maximum(spline(fine) - base, 0)
+    return numpy.array([top, spline(top), height, right - left, max(slope(fine)), -min(slope(fine)), numpy.trapezoid(above, fine)]), fine, above
+
+
+def pulses(place):
+    """The pulse where contact is kept, of the case and in the chart, and what it does to elastic links."""
+    frequency = 12000.0
+    code, listing, error, blocks, columns = run(data(FOUR_BAR, ("CREST=0.5", "CFREQ=%.1f, NCRAD=3, NCANG=8, CEPS=0.5, CHMAX=0.9" % frequency)), place)
+    check(columns.get("pulse") == "input t_peak force height width growth decay impulse cycles shock", "columns of the block pulse", columns.get("pulse"))
+    check(len(blocks["pulse"]) == 2 and listing.count("PULSE IF CONTACT IS KEPT") == 2, "a pulse for each minimum", blocks["pulse"])
+    for row, m in zip(blocks["pulse"], blocks["minima"]):
+        found, time, above = pulse(m[5], numpy.radians(m[6]), m[7])
+        unit = m[1]/m[2]
+        wanted = found*[unit, m[1], m[1], unit, m[2], m[2], m[1]*unit]
+        check(row[0] == m[0] and max(abs(row[1:8]/wanted - 1)) < 1e-3, "the pulse of a minimum", str((row, wanted)))
+        check(abs(row[8] - wanted[3]*frequency/(2*numpy.pi)) < 1e-3*row[8], "its width in periods", row[8])
+        force = lambda x: numpy.interp(x, time*unit, above/found[2], right=0.0)
+        end = time[-1]*unit + numpy.pi/frequency
+        done = solve_ivp(lambda x, y: [y[1], frequency**2*(force(x) - y[0])], [time[numpy.argmax(above > 0)]*unit, end], [0, 0], rtol=1e-9, atol=1e-11,
+                         max_step=found[3]*unit/40, t_eval=numpy.linspace(time[numpy.argmax(above > 0)]*unit, end, 20001))
+        peak = max(max(abs(done.y[0])), numpy.hypot(done.y[0][-1], done.y[1][-1]/frequency))
+        check(abs(row[9]/peak - 1) < 2e-4, "what it does to elastic links", str((row[9], peak)))
+    check(columns.get("chart_pulse") == "h3 h2 h1 t_peak force height width growth decay impulse", "columns of the chart", columns.get("chart_pulse"))
+    rows = [r for r in blocks["chart_pulse"] if r[1] in (-180.0, 0.0, 90.0)]
+    for r in rows:
+        wanted = pulse(r[2], numpy.radians(r[1]), r[0])[0]
+        check(max(abs(r[3:] - wanted)/numpy.maximum(abs(wanted), .01)) < 2e-3, "a pulse of the chart", str((r, wanted)))
+    check(len(rows) == 9 and len(blocks["chart_pulse"]) == 24, "the pulses of the chart", len(rows))
+    plain = run(data(FOUR_BAR), place)[4]["pulse"]
+    check(plain == "input t_peak force height width growth decay impulse", "without CFREQ nothing is said of elastic links", plain)
 
 
 def preloads(place):
@@ -387,6 +439,7 @@ def main():
     with tempfile.TemporaryDirectory() as place:
         four_bar(place)
         preloads(place)
+        pulses(place)
         mirrored(place)
         following(place)
         slider_crank(place)

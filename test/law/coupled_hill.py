@@ -172,8 +172,9 @@ def masses(phi, eta):
     return m, -GRAVITY * (float(numpy.sum(WEIGHTS * along.imag)) + MASS * centre.imag)
 
 
-def equations(phi, speed):
-    """M, C, K and load of the linearised equations at a position, of drive and coupler without their own stiffness and damping."""
+def equations(phi, speed, push=0.0):
+    """M, C, K and load of the linearised equations at a position, of drive and coupler without their own stiffness and damping; the far
+    end of the shaft turns at a speed and with an acceleration."""
     h, s = 2e-3, 2e-4                            # steps of phi and eta
     at = {(i, j): masses(phi + i * h, j * s) for i in (-2, -1, 0, 1, 2) for j in (-1, 0, 1)}
     m = {key: value[0] for key, value in at.items()}
@@ -185,17 +186,26 @@ def equations(phi, speed):
     m_phi_phi, m_eta_eta = second(m, 0), (m[0, 1] - 2 * m[0, 0] + m[0, -1]) / s ** 2
     m_phi_eta = (first(m, 1) - first(m, -1)) / (2 * s)
     gradient, slopes = (m_phi, m_eta), ((m_phi_phi, m_phi_eta), (m_phi_eta, m_eta_eta))
-    turning = numpy.array([speed, 0.0])
+    turning, pushed = numpy.array([speed, 0.0]), numpy.array([push, 0.0])
     # R_i = sum M_ij a_j + sum dM_ij/dq_k v_k v_j - sum dM_jk/dq_i v_j v_k/2 + dV/dq_i
     load = -sum(gradient[k] @ turning * turning[k] for k in range(2)) + 0.5 * numpy.array([turning @ gradient[i] @ turning for i in range(2)])
-    load -= numpy.array([first(v, 0), by_eta(v, 0)])
+    load -= numpy.array([first(v, 0), by_eta(v, 0)]) + m[0, 0] @ pushed
     c, k = numpy.zeros((2, 2)), numpy.zeros((2, 2))
     for q in range(2):
         unit = numpy.eye(2)[q]
         c[:, q] = gradient[q] @ turning + sum(gradient[r] @ unit * turning[r] for r in range(2)) - [unit @ gradient[i] @ turning for i in range(2)]
-        k[:, q] = sum(slopes[q][r] @ turning * turning[r] for r in range(2)) - [0.5 * turning @ slopes[i][q] @ turning for i in range(2)]
+        k[:, q] = gradient[q] @ pushed + sum(slopes[q][r] @ turning * turning[r] for r in range(2)) - [0.5 * turning @ slopes[i][q] @ turning for i in range(2)]
     k += [[second(v, 0), (first(v, 1) - first(v, -1)) / (2 * s)], [(first(v, 1) - first(v, -1)) / (2 * s), (v[0, 1] - 2 * v[0, 0] + v[0, -1]) / s ** 2]]
     return m[0, 0], c, k, load
+
+
+def turning_at(x, a):
+    """Angle of a crank with the slowness 1 + a cos psi at a time, and its derivatives: x = psi + a sin psi, Kepler's equation."""
+    psi = x
+    for _ in range(60):
+        psi -= (psi + a * math.sin(psi) - x) / (1 + a * math.cos(psi))
+    rate = 1 / (1 + a * math.cos(psi))
+    return psi, rate, a * math.sin(psi) * rate ** 3
 
 
 def drive_and_coupler(place):
@@ -208,12 +218,16 @@ def drive_and_coupler(place):
  &FLEX XLINK=-2, XLOOP=1, YLINK=2, YLOOP=1, XMOD=207E9, XRHO=7850.0, XDEPTH=%g, XWIDTH=%g, XZETA=%g, NXMODE=1, NXELEM=24 &END
  &DRIVEL DSTIF=%g, DDAMP=%g, DEXTRA=%g &END
 """
-    for speed, stiffness in ((70.0, 400.0), (150.0, 350.0), (110.0, 1000.0), (230.0, 300.0)):
-        status, words, said = run(place, "drive", text % (speed, MASS, CENTRE, INERTIA, GRAVITY, DEPTH, WIDTH, ZETA, stiffness, DAMPING, EXTRA))
+    for speed, stiffness, a in ((70.0, 400.0, 0), (150.0, 350.0, 0), (110.0, 1000.0, 0), (230.0, 300.0, 0), (110.0, 800.0, 0.12)):
+        case = text % (speed, MASS, CENTRE, INERTIA, GRAVITY, DEPTH, WIDTH, ZETA, stiffness, DAMPING, EXTRA)
+        if a:
+            case += " &CYCLE" + values("CYCW", 1 / (1 + a * numpy.cos(TURN * numpy.arange(40) / 40))) + " &END\n"
+        status, words, said = run(place, "drive", case)
         check("drive and coupler at %g rad/s" % speed, status in (0, 1) and "TOGETHER" in words, words + said)
         mean = table(place, "drive", "drive")[0]["inertia_mean"]
         n = 128
-        grid = [equations(TURN * i / n, speed) for i in range(n)]
+        turn = [turning_at(TURN * i / n, a) for i in range(n)]
+        grid = [equations(psi, speed * rate, speed ** 2 * push) for psi, rate, push in turn]
         grid.append(grid[0])
         at = [TURN * i / n for i in range(n + 1)]
         c, k, p = [], [], []

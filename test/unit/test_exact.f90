@@ -8,15 +8,20 @@ program test_exact
    use psalm_defects, only: exact_linkage_t, verdict_t, cognates_of, assess, place_pins
    use psalm_function_points, only: generators_t, generator_t, plain_point, five_points, four_points, output_of, three_points
    use psalm_generic, only: generic_solutions
+   use psalm_generic_counts, only: solutions_of
    use psalm_kinds, only: wp, radians_per_degree
-   use psalm_leg_problem, only: kind_point, kind_pose, leg_problem_t, make_problem, variables
+   use psalm_leg_lanes, only: problem_path_t
+   use psalm_leg_problem, only: draw_problem, kind_point, kind_pose, kind_timed, leg_problem_t, make_problem, variables
    use psalm_monodromy, only: generic_t, solve_generic
+   use psalm_quad_path, only: follow_precisely, path_arrived
    use psalm_six_bar_paths, only: polish
    use psalm_six_bar_problem, only: draw_six_bar, make_six_bar_problem, most_unknowns, order_legs, six_bar_data_t, &
                                     six_bar_problem_t, stephenson_2, stephenson_3, at_output, at_first_arm
    use psalm_six_bars, only: closing_links, find_stephenson, find_watt, most_links, six_bar_output, six_bar_t, six_bars_t
    use psalm_start_text, only: decode, decode_short, encode, encode_short
+   use psalm_symmetric_points, only: leave_a_curve
    use psalm_text, only: to_text
+   use psalm_tracker, only: track, tracked_t
    use psalm_desired_function, only: function_kind, desired_function_t
    use psalm_xoshiro, only: purpose_starts, xoshiro_t
    implicit none (type, external)
@@ -29,6 +34,8 @@ program test_exact
    call six_bars()
    call exchanged_legs()
    call counts()
+   call terms_along()
+   call symmetric_tangents()
    call certificates()
    call cognates()
    call defects()
@@ -237,6 +244,91 @@ contains
       call t%close_to(real(sum(roots), wp), 6.0_wp, 1.0e-12_wp, 'roots of a cubic: 1, 2, 3')
       call t%close_to(minval(abs(roots - 2.0_wp)), 0.0_wp, 1.0e-12_wp, 'roots of a cubic: 2')
    end subroutine counts
+
+   !> Tangents and curvatures: as many solutions as the table says, for every way the legs are written; a solution ends at the same
+   !> place in quadruple precision, where the equations are written otherwise.
+   subroutine terms_along()
+      type(leg_problem_t) :: problem
+      type(generic_t) :: generic
+      type(problem_path_t) :: path
+      type(tracked_t) :: tracked
+      type(xoshiro_t) :: random
+      complex(wp) :: unused(variables), reached(variables)
+      real(wp) :: worst
+      integer :: k, i, outcome, winding, arrived
+      logical :: drawn
+      character(*), parameter :: what(6) = [character(40) :: 'points, both pivots given', 'poses, the crank''s pivot given', &
+                                            'timed points, the follower''s pivot given', 'a slide and poses', &
+                                            'a slide and timed points', 'three poses']
+
+      do k = 1, size(what)
+         select case (k)
+         case (1)
+            call make_problem([kind_point, kind_point], .false., .true., .true., problem, [0, 2])
+         case (2)
+            call make_problem([kind_pose, kind_point], .false., .true., .false., problem, [0, 1, 1])
+         case (3)
+            call make_problem([kind_timed, kind_point], .false., .false., .true., problem, [1, 2, 2])
+         case (4)
+            call make_problem([kind_pose, kind_point, kind_point], .true., .false., .false., problem, [1, 2, 2])
+         case (5)
+            call make_problem([kind_timed, kind_timed, kind_point], .true., .false., .false., problem, [0, 0])
+         case default
+            call make_problem([kind_pose, kind_pose], .false., .false., .false., problem, [0, 1, 1, 2])
+         end select
+         call t%is_true(problem%is_square(), 'tangents, '//trim(what(k))//': as many conditions as dimensions')
+         call solve_generic(problem, 3, .false., solutions_of(problem), generic)
+         call t%is_true(solutions_of(problem) > 0, 'tangents, '//trim(what(k))//': the number is known')
+         call t%equal_integer(size(generic%solutions, 2), solutions_of(problem), 'tangents, '//trim(what(k))//': all solutions')
+         call random%seed(4, purpose_starts)
+         path%problem = problem
+         path%from = generic%data
+         call draw_problem(problem, random, path%to, unused, drawn)
+         call t%is_true(drawn, 'tangents, '//trim(what(k))//': another problem')
+         if (.not. drawn) cycle
+         call track(path, generic%solutions(:, :2), tracked)
+         worst = 0.0_wp
+         arrived = 0
+         do i = 1, 2
+            call follow_precisely(path, 1.0_wp, generic%solutions(:, i), reached, outcome, winding)
+            if (.not. tracked%arrived(i)) cycle
+            arrived = arrived + 1
+            if (outcome /= path_arrived) worst = huge(1.0_wp)
+            worst = max(worst, maxval(abs(reached - tracked%ends(:, i)))/maxval(abs(reached)))
+         end do
+         call t%is_true(arrived > 0, 'tangents, '//trim(what(k))//': a path arrives')
+         call t%close_to(worst, 0.0_wp, 1.0e-10_wp, 'tangents, '//trim(what(k))//': the same end in quadruple precision')
+      end do
+   end subroutine terms_along
+
+   !> Points with tangents and curvatures that are symmetric about a line leave a curve of linkages, others do not.
+   subroutine symmetric_tangents()
+      complex(wp), parameter :: points(5) = [(-1.0_wp, 0.0_wp), (1.0_wp, 0.0_wp), (-0.6_wp, 0.7_wp), (0.6_wp, 0.7_wp), &
+                                             (0.0_wp, 1.3_wp)], none(0) = [complex(wp) ::]
+      complex(wp) :: along(5)
+      real(wp) :: bend(5)
+      logical :: is_bent(5)
+
+      bend = 0.0_wp
+      is_bent = .false.
+      along = (0.0_wp, 0.0_wp)
+      along(1:2) = [(0.6_wp, 0.8_wp), (-0.6_wp, 0.8_wp)]
+      along(3:4) = [(0.8_wp, 0.6_wp), (0.8_wp, -0.6_wp)]
+      call t%is_true(leave_a_curve(points, none, .false., along, bend, is_bent), 'symmetric tangents: a curve')
+      along(4) = (0.8_wp, 0.6_wp)
+      call t%is_true(.not. leave_a_curve(points, none, .false., along, bend, is_bent), 'tangents that are not: none')
+      along(3:5) = [(0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (1.0_wp, 0.0_wp)]
+      is_bent(1:2) = .true.
+      ! the second is the mirror image of the first, which bends the other way
+      bend(1:2) = [0.3_wp, -0.3_wp]
+      call t%is_true(leave_a_curve(points, none, .false., along, bend, is_bent), 'symmetric curvatures: a curve')
+      along(2) = -along(2)
+      call t%is_true(.not. leave_a_curve(points, none, .false., along, bend, is_bent), 'in the other sense: none')
+      bend(2) = 0.3_wp
+      call t%is_true(leave_a_curve(points, none, .false., along, bend, is_bent), 'in the other sense bent alike: a curve')
+      along(5) = (0.6_wp, 0.8_wp)
+      call t%is_true(.not. leave_a_curve(points, none, .false., along, bend, is_bent), 'not at right angles to the line: none')
+   end subroutine symmetric_tangents
 
    !> Krawczyk's test of the dyads of five poses: it holds for those there are, not for what is none, nor where two are one.
    subroutine certificates()
