@@ -39,7 +39,6 @@ contains
       type(flex_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       type(flex_group_t) :: flex
-      character(15), allocatable :: columns(:, :)
       logical :: named
       integer :: j
 
