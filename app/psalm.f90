@@ -236,9 +236,42 @@ contains
       type(prepared_t), intent(in) :: prepared
       type(devices_t), intent(inout) :: devices
       logical, intent(inout) :: stopped
-      type(progress_t), target :: monitor
+
+      if (set%gives('EXACT')) then
+         call run_exact_case(set, devices, stopped)
+      else if (allocated(set%search_in_poses) .and. set%wants_search()) then
+         call run_pose_search(number, set, devices, stopped)
+      else
+         call run_linkage(set, prepared, devices, stopped)
+      end if
+   end subroutine run_case
+
+   !> Linkages that meet their conditions exactly.
+   subroutine run_exact_case(set, devices, stopped)
+      type(data_set_t), intent(in) :: set
+      type(devices_t), intent(inout) :: devices
+      logical, intent(inout) :: stopped
       type(path_progress_t), target :: paths
       type(stop_t) :: stop_reported
+      integer :: threads
+
+      call take_threads(set, threads, devices)
+      call signals%hold(threads)
+      paths%request => signals
+      stop_reported = stop
+      call stop_reported%listen_to(paths)
+      call run_exact(set, threads, stop_reported, devices)
+      if (paths%active) call write_standard_error(nl)
+      stopped = asked_to_end()
+   end subroutine run_exact_case
+
+   !> The search and the studies of a linkage of loops.
+   subroutine run_linkage(set, prepared, devices, stopped)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      type(devices_t), intent(inout) :: devices
+      logical, intent(inout) :: stopped
+      type(progress_t), target :: monitor
       ! allocated: together they would fill a small stack
       class(problem_t), allocatable, target :: problem
       type(synthesis_t), allocatable :: search
@@ -258,21 +291,6 @@ contains
       logical :: searched
       integer :: threads
 
-      if (set%gives('EXACT')) then
-         call take_threads(set, threads, devices)
-         call signals%hold(threads)
-         paths%request => signals
-         stop_reported = stop
-         call stop_reported%listen_to(paths)
-         call run_exact(set, threads, stop_reported, devices)
-         if (paths%active) call write_standard_error(nl)
-         stopped = asked_to_end()
-         return
-      end if
-      if (allocated(set%search_in_poses) .and. set%wants_search()) then
-         call run_pose_search(number, set, devices, monitor, stopped)
-         return
-      end if
       allocate (problem, search, analysis)
       call take_threads(set, threads, devices)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
@@ -355,7 +373,7 @@ contains
       call mark_beyond(devices%published, devices%six)
       if (monitor%active) call write_standard_error(nl)
       stopped = asked_to_end()
-   end subroutine run_case
+   end subroutine run_linkage
 
    !> The output for several settings of an adjustable dimension.
    subroutine run_family(set, mechanism, dimensions, devices)
@@ -372,12 +390,12 @@ contains
    end subroutine run_family
 
    !> A search in the poses of the links, then the studies of the linkage it found.
-   recursive subroutine run_pose_search(number, set, devices, monitor, stopped)
+   recursive subroutine run_pose_search(number, set, devices, stopped)
       integer, intent(in) :: number
       type(data_set_t), intent(in) :: set
       type(devices_t), intent(inout) :: devices
-      type(progress_t), intent(inout) :: monitor
       logical, intent(inout) :: stopped
+      type(progress_t), target :: monitor
       type(chain_synthesis_t), allocatable :: search
       class(data_set_t), allocatable :: found
       type(prepared_t), allocatable :: prepared

@@ -97,7 +97,7 @@ for row in read("forces").splitlines():
     lines.append("| %s | %s | %s | %.2f | %.2f | %.2f |" % (title, count, n, float(motion), float(forces),
                                                          float(forces) / float(motion)))
 lines += ["", "## Larger groups, gears, cylinders", "",
-          "Nanoseconds a position of sketches with all their joints, in blocks of 128, one thread (`bench groups`, time of the processor): "
+          "Nanoseconds a position of sketches with all their joints, in blocks of 256, one thread (`bench groups`, time of the processor): "
           "groups of more than two links and cylinders by Newton's method from the previous position; wheels alone side by side, by "
           "products of unit vectors where the ratio is a whole number, otherwise by series from the middle of each 16 positions.", "",
           "| linkage | groups | positions | ns per position |", "| --- | --- | --- | --- |"]

@@ -22,6 +22,12 @@ module psalm_leg_lanes
       type(leg_data_t) :: from, to                   !! at t = 1 and t = 0
    end type problem_path_t
 
+   !> Terms of the series at a point, in every lane.
+   type :: series_t
+      complex(wp), dimension(lanes, 0:most_order) :: g, gh, d, dh
+      complex(wp), dimension(0:most_order) :: dd = (0.0_wp, 0.0_wp), ddh = (0.0_wp, 0.0_wp) !! of d, dh by t
+   end type series_t
+
    !> What linearising leaves for the way back to the turns.
    type :: work_t
       ! matrix and right sides: real and imaginary parts apart
@@ -35,13 +41,11 @@ module psalm_leg_lanes
       complex(wp) :: dg(lanes, variables + 2, most_points), dgh(lanes, variables + 2, most_points) !! of terms along the path and
                                                      !! their points: the change of g, by all numbers, of the correction and by t
       integer :: rows = 0
+      ! of a term along the path: here, for they would fill a small stack
+      type(series_t) :: series
+      complex(wp) :: equations(lanes, variables + 2, 3)
+      complex(wp) :: before_u(lanes, 2, most_order), before_w(lanes, 2, most_order) !! by turns i terms before
    end type work_t
-
-   !> Terms of the series at a point, in every lane.
-   type :: series_t
-      complex(wp), dimension(lanes, 0:most_order) :: g, gh, d, dh
-      complex(wp), dimension(0:most_order) :: dd = (0.0_wp, 0.0_wp), ddh = (0.0_wp, 0.0_wp) !! of d, dh by t
-   end type series_t
 
 contains
 
@@ -431,80 +435,80 @@ contains
       real(wp), intent(in) :: t(lanes)
       complex(wp), intent(in) :: z(lanes, state_size)
       type(work_t), intent(inout) :: work
-      type(series_t) :: s
-      complex(wp) :: equations(lanes, variables + 2, 3), u(lanes, 2, most_order), w(lanes, 2, most_order) !! by turns i terms before
       integer :: i, k, l, m
 
       m = path%problem%order(j)
-      call series_of(path, j, t, z, s)
-      equations = (0.0_wp, 0.0_wp)
-      call leg_of_term(m, s, z(:, at_x), z(:, at_xh), z(:, at_a), z(:, at_ah), equations(:, :4, 1), &
-                       equations(:, of_value, 1), equations(:, of_rate, 1))
-      work%u(:, 1, j) = (z(:, at_ah) - s%dh(:, 0))*z(:, at_x)
-      work%w(:, 1, j) = (z(:, at_a) - s%d(:, 0))*z(:, at_xh)
-      do i = 1, m
-         u(:, 1, i) = -s%dh(:, i)*z(:, at_x)
-         w(:, 1, i) = -s%d(:, i)*z(:, at_xh)
-      end do
-      u(:, 2, :) = (0.0_wp, 0.0_wp)
-      w(:, 2, :) = (0.0_wp, 0.0_wp)
-      if (path%problem%slides) then
-         work%u(:, 2, j) = z(:, at_y)
-         work%w(:, 2, j) = -z(:, at_b)*z(:, at_yh)
-         equations(:, at_y, 2) = s%g(:, m)
-         equations(:, at_yh, 2) = -z(:, at_b)*s%gh(:, m)
-         equations(:, at_b, 2) = -(s%dh(:, m) + z(:, at_yh)*s%gh(:, m))
-         equations(:, of_value, 2) = s%d(:, m) + z(:, at_y)*s%g(:, m) + z(:, at_b)*equations(:, at_b, 2)
-         equations(:, of_rate, 2) = s%dd(m) - z(:, at_b)*s%ddh(m)
-      else
-         if (path%problem%differences) then
-            call difference_of_term(m, s, z, equations(:, :, 2), work%u(:, 2, j), work%w(:, 2, j))
-         else
-            call leg_of_term(m, s, z(:, at_y), z(:, at_yh), z(:, at_b), z(:, at_bh), equations(:, at_y:at_bh, 2), &
-                             equations(:, of_value, 2), equations(:, of_rate, 2))
-            work%u(:, 2, j) = (z(:, at_bh) - s%dh(:, 0))*z(:, at_y)
-            work%w(:, 2, j) = (z(:, at_b) - s%d(:, 0))*z(:, at_yh)
-         end if
+      associate (s => work%series, equations => work%equations, u => work%before_u, w => work%before_w)
+         call series_of(path, j, t, z, s)
+         equations = (0.0_wp, 0.0_wp)
+         call leg_of_term(m, s, z(:, at_x), z(:, at_xh), z(:, at_a), z(:, at_ah), equations(:, :4, 1), &
+                          equations(:, of_value, 1), equations(:, of_rate, 1))
+         work%u(:, 1, j) = (z(:, at_ah) - s%dh(:, 0))*z(:, at_x)
+         work%w(:, 1, j) = (z(:, at_a) - s%d(:, 0))*z(:, at_xh)
          do i = 1, m
-            u(:, 2, i) = -s%dh(:, i)*z(:, at_y)
-            w(:, 2, i) = -s%d(:, i)*z(:, at_yh)
+            u(:, 1, i) = -s%dh(:, i)*z(:, at_x)
+            w(:, 1, i) = -s%d(:, i)*z(:, at_xh)
          end do
-      end if
-      work%u(:, 3, j) = s%gh(:, 0) + 1.0_wp
-      work%w(:, 3, j) = s%g(:, 0) + 1.0_wp
-      equations(:, of_value, 3) = s%g(:, m) + s%gh(:, m)
-      do i = 0, m
-         equations(:, of_value, 3) = equations(:, of_value, 3) + s%g(:, i)*s%gh(:, m - i)
-      end do
-      do i = 0, m - 1
-         associate (before => path%problem%chain(i, j))
-            if (before == 0) cycle
-            do k = 1, variables + 2
-               !$omp simd
-               do l = 1, lanes
-                  equations(l, k, 1) = equations(l, k, 1) + u(l, 1, m - i)*work%dg(l, k, before) + &
-                                       w(l, 1, m - i)*work%dgh(l, k, before)
-                  equations(l, k, 2) = equations(l, k, 2) + u(l, 2, m - i)*work%dg(l, k, before) + &
-                                       w(l, 2, m - i)*work%dgh(l, k, before)
-                  equations(l, k, 3) = equations(l, k, 3) + s%gh(l, m - i)*work%dg(l, k, before) + &
-                                       s%g(l, m - i)*work%dgh(l, k, before)
-               end do
+         u(:, 2, :) = (0.0_wp, 0.0_wp)
+         w(:, 2, :) = (0.0_wp, 0.0_wp)
+         if (path%problem%slides) then
+            work%u(:, 2, j) = z(:, at_y)
+            work%w(:, 2, j) = -z(:, at_b)*z(:, at_yh)
+            equations(:, at_y, 2) = s%g(:, m)
+            equations(:, at_yh, 2) = -z(:, at_b)*s%gh(:, m)
+            equations(:, at_b, 2) = -(s%dh(:, m) + z(:, at_yh)*s%gh(:, m))
+            equations(:, of_value, 2) = s%d(:, m) + z(:, at_y)*s%g(:, m) + z(:, at_b)*equations(:, at_b, 2)
+            equations(:, of_rate, 2) = s%dd(m) - z(:, at_b)*s%ddh(m)
+         else
+            if (path%problem%differences) then
+               call difference_of_term(m, s, z, equations(:, :, 2), work%u(:, 2, j), work%w(:, 2, j))
+            else
+               call leg_of_term(m, s, z(:, at_y), z(:, at_yh), z(:, at_b), z(:, at_bh), equations(:, at_y:at_bh, 2), &
+                                equations(:, of_value, 2), equations(:, of_rate, 2))
+               work%u(:, 2, j) = (z(:, at_bh) - s%dh(:, 0))*z(:, at_y)
+               work%w(:, 2, j) = (z(:, at_b) - s%d(:, 0))*z(:, at_yh)
+            end if
+            do i = 1, m
+               u(:, 2, i) = -s%dh(:, i)*z(:, at_y)
+               w(:, 2, i) = -s%d(:, i)*z(:, at_yh)
             end do
+         end if
+         work%u(:, 3, j) = s%gh(:, 0) + 1.0_wp
+         work%w(:, 3, j) = s%g(:, 0) + 1.0_wp
+         equations(:, of_value, 3) = s%g(:, m) + s%gh(:, m)
+         do i = 0, m
+            equations(:, of_value, 3) = equations(:, of_value, 3) + s%g(:, i)*s%gh(:, m - i)
+         end do
+         do i = 0, m - 1
+            associate (before => path%problem%chain(i, j))
+               if (before == 0) cycle
+               do k = 1, variables + 2
+                  !$omp simd
+                  do l = 1, lanes
+                     equations(l, k, 1) = equations(l, k, 1) + u(l, 1, m - i)*work%dg(l, k, before) + &
+                                          w(l, 1, m - i)*work%dgh(l, k, before)
+                     equations(l, k, 2) = equations(l, k, 2) + u(l, 2, m - i)*work%dg(l, k, before) + &
+                                          w(l, 2, m - i)*work%dgh(l, k, before)
+                     equations(l, k, 3) = equations(l, k, 3) + s%gh(l, m - i)*work%dg(l, k, before) + &
+                                          s%g(l, m - i)*work%dgh(l, k, before)
+                  end do
+               end do
+            end associate
+         end do
+         associate (own_u => work%u(:, :, j), own_w => work%w(:, :, j))
+            work%n(:, 1, j) = own_u(:, 2)*own_w(:, 3) - own_u(:, 3)*own_w(:, 2)
+            work%n(:, 2, j) = own_u(:, 3)*own_w(:, 1) - own_u(:, 1)*own_w(:, 3)
+            work%n(:, 3, j) = own_u(:, 1)*own_w(:, 2) - own_u(:, 2)*own_w(:, 1)
          end associate
-      end do
-      associate (own_u => work%u(:, :, j), own_w => work%w(:, :, j))
-         work%n(:, 1, j) = own_u(:, 2)*own_w(:, 3) - own_u(:, 3)*own_w(:, 2)
-         work%n(:, 2, j) = own_u(:, 3)*own_w(:, 1) - own_u(:, 1)*own_w(:, 3)
-         work%n(:, 3, j) = own_u(:, 1)*own_w(:, 2) - own_u(:, 2)*own_w(:, 1)
+         call resolve(equations, j, work)
+         do k = 1, variables + 2
+            equations(:, k, 1) = work%n(:, 1, j)*equations(:, k, 1) + work%n(:, 2, j)*equations(:, k, 2) + &
+                                 work%n(:, 3, j)*equations(:, k, 3)
+         end do
+         work%full = equations(:, :variables, 1)
+         work%right(:, 1) = -equations(:, of_value, 1)
+         work%right(:, 2) = -equations(:, of_rate, 1)
       end associate
-      call resolve(equations, j, work)
-      do k = 1, variables + 2
-         equations(:, k, 1) = work%n(:, 1, j)*equations(:, k, 1) + work%n(:, 2, j)*equations(:, k, 2) + &
-                              work%n(:, 3, j)*equations(:, k, 3)
-      end do
-      work%full = equations(:, :variables, 1)
-      work%right(:, 1) = -equations(:, of_value, 1)
-      work%right(:, 2) = -equations(:, of_rate, 1)
       call put_row(path, work)
    end subroutine linearise_term
 

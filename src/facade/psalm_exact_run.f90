@@ -46,25 +46,34 @@ contains
       integer, intent(in) :: threads                 !! that share the paths of six-bars
       type(stop_t), intent(in) :: stop               !! asked now and then
       type(exact_study_t), intent(out) :: study
-      type(exact_group_t) :: exact
       type(stop_t) :: limited
 
       limited = stop
-      exact = exact_of(set)
-      call limited%limit_time(exact%longest_time)
+      call limited%limit_time(longest_time_of(set))
       call find_exact(set, study, stop, threads)
-      if (set%limits%iproof > 0) call prove(set, exact, limited, study)
+      if (set%limits%iproof > 0) call prove(set, limited, study)
    end subroutine study_all_exact
 
-   !> Look at results in their order until as many are proven as are listed, or until a stop: then the others are skipped.
-   subroutine prove(set, exact, stop, study)
+   !> MAXTIME of the group; the group is large, and the small stack is wanted by what is called later.
+   pure real(wp) function longest_time_of(set) result(seconds)
       type(data_set_t), intent(in) :: set
-      type(exact_group_t), intent(in) :: exact
+      type(exact_group_t) :: exact
+
+      exact = exact_of(set)
+      seconds = exact%longest_time
+   end function longest_time_of
+
+   !> Look at results in their order until as many are proven as are listed, or until a stop: then the others are skipped.
+   subroutine prove(set, stop, study)
+      type(data_set_t), intent(in) :: set
       type(stop_t), intent(in) :: stop
       type(exact_study_t), intent(inout) :: study
-      type(exact_proof_t) :: proofs(min(results_of(study), tries*exact%listed))
+      type(exact_group_t) :: exact
+      type(exact_proof_t), allocatable :: proofs(:)
       integer :: i, n
 
+      exact = exact_of(set)
+      allocate (proofs(min(results_of(study), tries*exact%listed)))
       n = 0
       do i = 1, size(proofs)
          if (n == exact%listed) exit

@@ -19,7 +19,7 @@ module psalm_linkage
    public :: linkage_t, bound_step_t, block_length, padded, solve_point, put_seconds, put_driven_lengths, all_between
    public :: largest_direction, largest_slide
 
-   integer, parameter :: block_length = 128 !! positions solved together: all arrays stay in first-level cache
+   integer, parameter :: block_length = 256 !! positions solved together: long loops, rows that stay near in the cache
    integer, parameter :: lane = 4           !! positions are padded to a multiple of this: no remainder loops
 
    integer, parameter :: plain_exponent = maxexponent(1.0_wp)/8 !! lengths beyond 2**this are scaled before they are squared

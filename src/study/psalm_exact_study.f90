@@ -402,7 +402,7 @@ contains
       type(exact_study_t), intent(out) :: study
       type(stop_t), intent(in), optional :: stop     !! asked now and then
       integer, intent(in), optional :: threads       !! that share the paths of six-bars; default 1
-      type(exact_group_t) :: exact
+      type(exact_group_t), allocatable :: exact      ! large: it would fill a small stack
       type(stop_t) :: limited
       integer :: team
 
@@ -673,8 +673,8 @@ contains
       type(exact_study_t), intent(inout) :: study
       type(leg_problem_t) :: problem
       type(generic_t) :: generic
-      type(leg_data_t) :: turned
-      type(problem_path_t) :: path
+      type(leg_data_t), allocatable :: turned        ! large, as the next: they would fill a small stack
+      type(problem_path_t), allocatable :: path
       type(tracked_t) :: tracked
       type(ends_t) :: ends
       type(xoshiro_t) :: random
@@ -688,6 +688,7 @@ contains
       real(wp) :: size_of_all, degrees(0:most_points), curvatures(0:most_points)
       integer :: i, k, pass, before
 
+      allocate (turned, path)
       study%way = way_legs
       call problem_of(exact, problem)
       study%cognates = problem%has_cognates()
