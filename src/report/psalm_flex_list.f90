@@ -118,7 +118,7 @@ contains
          call text%add('   MODE      FREQUENCY   OVER SPEED        DAMPING          TWIST')
          allocate (columns(4, size(out%frequency)))
          columns(1, :) = figures_of(named, out%frequency)
-         columns(2, :) = figures_of(named, out%frequency/abs(set%rates%speed))
+         columns(2, :) = figures_of(named, out%frequency/study%cycle%turn%crank%speed)
          columns(3, :) = figures_of(named, out%damping)
          columns(4, :) = figures_of(named, out%twist)
          do j = 1, size(out%frequency)
