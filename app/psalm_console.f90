@@ -526,7 +526,7 @@ contains
          integer :: i, t
 
          if (.not. devices%has_tables()) return
-         do i = 1, size(devices%cases)
+         do i = 1, devices%last_case()
             do t = 1, devices%cases(i)%count
                associate (table => devices%cases(i)%tables(t))
                   if (table%audience == for_plots) cycle
@@ -543,7 +543,7 @@ contains
          end do
          if (.not. arguments%json) return
          text%length = 0
-         call write_json(devices%cases, arguments%program, version, devices%mark, text)
+         call write_json(devices%cases(:devices%last_case()), arguments%program, version, devices%mark, text)
          call files%add(stem//'.json', text%content())
          written = written//', .json (all tables)'
       end subroutine add_tables

@@ -200,7 +200,7 @@ contains
       call move_table(table, self%tables(self%count))
    end subroutine put
 
-   !> All tables to another owner; what gave them is empty then.
+   !> All tables to another owner; what gave them has none and takes none then.
    pure subroutine hand_over(self, to)
       class(tables_t), intent(inout) :: self
       type(tables_t), intent(out) :: to
@@ -210,7 +210,6 @@ contains
       to%count = self%count
       call move_alloc(self%tables, to%tables)
       self%count = 0
-      allocate (self%tables(1))
    end subroutine hand_over
 
    pure subroutine move_table(from, to)

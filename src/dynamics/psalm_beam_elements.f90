@@ -10,6 +10,7 @@ module psalm_beam_elements
    use psalm_linear, only: along_columns, product_of
    implicit none (type, external)
    private
+   public :: shapes, places_of, turn_of_element
    public :: beam_frame_t, element_t, station_t, assemble, freedoms_of, local_load, tension_stiffness, bracket_of, mass_of_frame
 
    integer, parameter, public :: freedoms = 3          !! of a node: displacement x and y, turning

@@ -13,6 +13,7 @@ module psalm_driven_masses
    use psalm_error, only: problem_t
    use psalm_flexible_link, only: flexible_link_t
    use psalm_force_model, only: force_model_t, parameter_mass, parameter_mx, parameter_my, parameter_inertia
+   use psalm_joint_load, only: joint_load_t, find_joint_load
    use psalm_kinds, only: wp
    use psalm_kinetostatics, only: forces_t, prepare_forces
    use psalm_link_cycle, only: link_cycle_t, prepare_turn
@@ -31,6 +32,8 @@ module psalm_driven_masses
       real(wp), allocatable :: motion(:, :, :, :) !! shape (3, bodies, directions, positions): of the reference of each body, m/m
                                                  !! in machine axes, and its turning, rad/m; of the link that of its frame's axes
       real(wp), allocatable :: axes(:, :, :)     !! shape (2, bodies, positions): direction of their own arcs
+      real(wp), allocatable :: slide(:, :, :, :) !! of a link with a slide: as `motion`, by its displacement across the line of the
+                                                 !! slide at the shoe, and by its turning there
    end type influence_t
 
 contains
@@ -60,6 +63,10 @@ contains
          influence%node = [influence%node, link%nodes(j)]
          influence%direction = [influence%direction, 2]
       end do
+      if (link%slide > 0) then
+         call cut_joints(given, dimensions, model, link, points, crank, influence)
+         return
+      end if
       bodies = size(model%reference)
       step = aside*maxval(abs(link%frame%x))
       call take_poses(given, dimensions, model, link, points, crank, at_rest, influence%known)
@@ -99,6 +106,80 @@ contains
          end do
       end do
    end subroutine find_influence
+
+   !> The same of a link with a slide, where its axes move as the slide gives way: joint after joint is taken apart.
+   subroutine cut_joints(given, dimensions, model, link, points, crank, influence)
+      type(problem_t), intent(in) :: given
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_model_t), intent(in) :: model
+      type(flexible_link_t), intent(in) :: link
+      integer, intent(in) :: points
+      type(crank_motion_t), intent(in) :: crank
+      type(influence_t), intent(inout) :: influence
+      real(wp), allocatable :: apart(:, :, :, :)  ! shape (3, bodies, 2, positions)
+      real(wp) :: ahead(2)
+      integer :: g, j, i
+
+      allocate (influence%motion(3, size(model%reference), size(influence%node), points), source=0.0_wp)
+      influence%known = .true.
+      call cut(link%slide, influence%slide)
+      if (.not. influence%known) return
+      call own_axes()
+      do j = 1, size(link%joints)
+         if (link%nodes(j) == link%held(1)) cycle
+         call cut(link%joints(j), apart)
+         if (.not. influence%known) return
+         do g = 1, size(influence%node)
+            if (influence%node(g) /= link%nodes(j)) cycle
+            do i = 1, points
+               ahead = out_of_axes(influence%axes(:, link%body, i), link%axis)
+               if (influence%direction(g) == 2) ahead = quarter_turn(ahead)
+               influence%motion(:, :, g, i) = influence%motion(:, :, g, i) + ahead(1)*apart(:, :, 1, i) + ahead(2)*apart(:, :, 2, i)
+            end do
+         end do
+      end do
+
+   contains
+
+      !> Motions by displacements of the link against its neighbour.
+      subroutine cut(joint, motions)
+         integer, intent(in) :: joint
+         real(wp), allocatable, intent(out) :: motions(:, :, :, :)
+         type(joint_load_t) :: load
+
+         call find_joint_load(given, dimensions, model, joint, points, crank, load, motions)
+         influence%known = load%failure == 0 .and. load%loose == 0
+         ! the points move apart by what the link gives way: the first less the second
+         if (given%mechanism%joints(joint)%bodies(1) == link%body) motions = -motions
+      end subroutine cut
+
+      !> Directions of the arcs of all bodies.
+      subroutine own_axes()
+         class(problem_t), allocatable :: problem ! large: it would fill a small stack
+         type(link_cycle_t) :: turn
+         type(forces_t) :: forces
+         real(wp) :: input(points)
+         integer :: block, offset, n, b
+
+         turn%crank = crank%at_steps(points)
+         call prepare_turn(given, dimensions, problem, input, turn)
+         allocate (influence%axes(2, size(model%reference), points), source=0.0_wp)
+         call prepare_forces(problem, model, forces)
+         associate (v => problem%linkage%store%v)
+            do block = 1, problem%blocks()
+               call problem%solve_block(block, offset, n)
+               do i = 1, n
+                  do b = body_frame + 1, size(model%reference)
+                     associate (rows => forces%bodies(b))
+                        influence%axes(:, b, offset + i) = [rows%c*v(i, rows%root_x) - rows%s*v(i, rows%root_y), &
+                                                            rows%c*v(i, rows%root_y) + rows%s*v(i, rows%root_x)]
+                     end associate
+                  end do
+               end do
+            end do
+         end associate
+      end subroutine own_axes
+   end subroutine cut_joints
 
    !> Places and axes of all bodies over a turn; of the link those of its frame.
    subroutine take_poses(given, dimensions, model, link, points, crank, poses, closes)

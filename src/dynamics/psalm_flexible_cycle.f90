@@ -9,7 +9,7 @@ module psalm_flexible_cycle
    use psalm_force_model, only: force_model_t, load_t
    use psalm_kinds, only: wp
    use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, joint_rows, &
-                                  first_spring, source_inertia, sources_of
+                                  find_shoe, first_spring, source_inertia, sources_of
    use psalm_link_cycle, only: link_cycle_t, prepare_turn, note_dead
    use psalm_link_loads, only: acting_cycle_t, follow_acting
    use psalm_rates, only: rates_t, prepare_rates, differentiate
@@ -33,6 +33,9 @@ module psalm_flexible_cycle
                                                  !! `part_...`: of inertia, N; of weight, loads and springs, N; of dampers;
                                                  !! of inertia where the crank is pushed
       type(acting_cycle_t), allocatable :: acting(:) !! loads, then springs on the link
+      real(wp), allocatable :: shoe(:, :)        !! shape (2, positions): of its slide, the middle of the shoe, m
+      real(wp), allocatable :: normal(:, :)      !! the same: unit vector across its line
+      real(wp), allocatable :: reach(:)          !! shape (positions): of the shoe along the line, from the foot of the joint, m
    end type flexible_cycle_t
 
 contains
@@ -59,6 +62,7 @@ contains
       if (cycle_of%turn%failure > 0) return
       allocate (cycle_of%acceleration(2, points), cycle_of%turning(points), cycle_of%speed(points), cycle_of%weight(2, points))
       allocate (cycle_of%forces(2, size(link%joints), parts, points), cycle_of%pushed(3, points), source=0.0_wp)
+      if (link%slide > 0) allocate (cycle_of%shoe(2, points), cycle_of%normal(2, points), cycle_of%reach(points))
       call prepare_rates(problem, rates)
       call prepare_forces(problem, model, forces)
       bare = model
@@ -79,6 +83,7 @@ contains
          if (cycle_of%turn%failure > 0) return
          call move_in_turn(cycle_of%turn%crank, problem, rates, offset, n, 1.0_wp, forces)
          call follow_motion()
+         if (link%slide > 0) call follow_slide()
          call follow_acting(problem, steady, unit, input(offset + 1:offset + n), offset, n, forces, cycle_of%acting)
          call clear_wrenches(n, forces)
          call add_source(problem, bare, source_inertia, input(offset + 1:offset + n), n, forces)
@@ -148,6 +153,28 @@ contains
             end do
          end associate
       end subroutine follow_motion
+
+      !> The middle of the shoe, and the direction across the line; the axes are known.
+      subroutine follow_slide()
+         real(wp), dimension(n) :: x, y, reach, aside
+         real(wp) :: along(2), origin(2)
+         integer :: i
+
+         call find_shoe(problem, model, forces, link%slide, n, x, y, reach, aside)
+         associate (w => forces%w%v, v => problem%linkage%store%v, rows => forces%bodies(link%body), at => link%origin, &
+                    of => problem%linkage, slide => problem%mechanism%joints(link%slide)%slide)
+            associate (root => problem%plan%root(slide))
+               do i = 1, n
+                  origin = forces%metre*[v(i, rows%px), v(i, rows%py)] + out_of_axes([w(i, rows%ex), w(i, rows%ey)], at)
+                  cycle_of%shoe(:, offset + i) = into_axes(unit(:, i), forces%metre*[x(i), y(i)] - origin)
+                  cycle_of%reach(offset + i) = forces%metre*reach(i)
+                  along = [of%x(slide)*v(i, of%root_x(root)) - of%y(slide)*v(i, of%root_y(root)), &
+                           of%x(slide)*v(i, of%root_y(root)) + of%y(slide)*v(i, of%root_x(root))]
+                  cycle_of%normal(:, offset + i) = into_axes(unit(:, i), quarter_turn(along/sqrt(sum(along**2))))
+               end do
+            end associate
+         end associate
+      end subroutine follow_slide
 
       !> The same where the crank is pushed; the axes are known.
       subroutine follow_push()

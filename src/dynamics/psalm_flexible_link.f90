@@ -11,7 +11,7 @@ module psalm_flexible_link
    use psalm_kinds, only: wp
    use psalm_link_cycle, only: is_turned_by_drive
    use psalm_locations, only: location_t, location_of_place, place_right
-   use psalm_mechanism, only: mechanism_t, body_frame, joint_gear, joint_prismatic
+   use psalm_mechanism, only: mechanism_t, body_frame, joint_gear, joint_prismatic, joint_revolute
    use psalm_place, only: place_t
    use psalm_sort, only: ascending
    use psalm_status, only: diagnostics_t
@@ -40,7 +40,8 @@ module psalm_flexible_link
       real(wp) :: origin(2) = 0.0_wp    !! of the frame's axes, from the body's reference in the axes of its own arc, m
       real(wp) :: axis(2) = [1.0_wp, 0.0_wp] !! direction of its x axis there
       integer :: held(2) = 0            !! nodes: the first held, the second on the x axis; 0: the first is clamped
-      integer, allocatable :: joints(:), nodes(:) !! joints of the mechanism on it, and their nodes
+      integer, allocatable :: joints(:), nodes(:) !! pins of the mechanism on it, and their nodes
+      integer :: slide = 0              !! joint of the mechanism in which it slides, or a shoe on it; 0: none
       type(attached_t), allocatable :: masses(:), loads(:), springs(:)
       real(wp) :: own(4) = 0.0_wp       !! mass, first moments and inertia of its segments, as of a force model
    end type flexible_link_t
@@ -148,8 +149,15 @@ contains
          link%segments = pack([(j, j=1, size(starts))], starts%body == body)
          call check_body(body, first, good)
          if (.not. good) return
-         link%joints = pack([(j, j=1, size(mechanism%joints))], [(any(mechanism%joints(j)%bodies == body), &
+         link%joints = pack([(j, j=1, size(mechanism%joints))], [(any(mechanism%joints(j)%bodies == body) .and. &
+                                                                  mechanism%joints(j)%kind /= joint_prismatic, &
                                                                   j=1, size(mechanism%joints))])
+         if (size(link%joints) == 0) then
+            good = .false.
+            call refuse(item, first, 'the link has no pin: only links with pins, and at most one slide, are treated')
+            return
+         end if
+         link%slide = slide_of(body)
          allocate (joints(2, size(link%joints)), segments(size(link%segments)))
          do j = 1, size(link%joints)
             call locate_point(mechanism, dimensions, body, model%reference(body), mechanism%joints(link%joints(j))%point, &
@@ -229,9 +237,23 @@ contains
                   call refuse(set%link_item('X'), first, 'the link is a wheel: only links with pins are treated')
                   return
                else if (joint%kind == joint_prismatic) then
-                  call refuse(set%link_item('X'), first, 'the link slides at joint '//joint%name//': only links with pins are '// &
-                              'treated')
-                  return
+                  if (slide_of(body) /= k) then
+                     call refuse(set%link_item('X'), first, 'the link has a second slide, joint '//joint%name//': at most one '// &
+                                 'is treated')
+                     return
+                  else if (.not. model%shoes(k)%given) then
+                     call refuse(set%link_item('X'), first, 'the link slides at joint '//joint%name//', but loops do not say '// &
+                                 'where its shoe is; give the linkage as a sketch (&CHAIN)')
+                     return
+                  else if (.not. is_block(sum(joint%bodies) - body)) then
+                     call refuse(set%link_item('X'), first, 'the slide at joint '//joint%name//' holds the slope of the '// &
+                                 'link: its other part is no block on a pin; this is not treated')
+                     return
+                  else if (any(mechanism%actuators%joint == k)) then
+                     call refuse(set%link_item('X'), first, 'a drive moves the link along joint '//joint%name//': this is not '// &
+                                 'treated')
+                     return
+                  end if
                end if
             end associate
          end do
@@ -263,6 +285,38 @@ contains
          end do
          good = .true.
       end subroutine check_body
+
+      !> True if a body has a slide and a pin, or several on one axis: it turns as the slide does.
+      pure logical function is_block(body)
+         integer, intent(in) :: body
+         integer :: j, pin
+
+         pin = 0
+         is_block = body /= body_frame
+         if (.not. is_block) return
+         do j = 1, size(mechanism%joints)
+            associate (joint => mechanism%joints(j))
+               if (all(joint%bodies /= body) .or. joint%kind == joint_prismatic) cycle
+               is_block = is_block .and. joint%kind == joint_revolute .and. (pin == 0 .or. joint%pin == pin)
+               pin = joint%pin
+            end associate
+         end do
+         is_block = is_block .and. pin > 0 .and. count([(any(mechanism%joints(j)%bodies == body) .and. &
+                                                         mechanism%joints(j)%kind == joint_prismatic, &
+                                                         j=1, size(mechanism%joints))]) == 1
+      end function is_block
+
+      !> The first slide of a body.
+      pure integer function slide_of(body)
+         integer, intent(in) :: body
+
+         do slide_of = 1, size(mechanism%joints)
+            associate (joint => mechanism%joints(slide_of))
+               if (joint%kind == joint_prismatic .and. any(joint%bodies == body)) return
+            end associate
+         end do
+         slide_of = 0
+      end function slide_of
 
       !> Masses, loads and ends of springs on the link; `reach` is their place in the axes of the body still.
       subroutine list_attached(body, link)
@@ -341,12 +395,17 @@ contains
          end do
          n = count([(all(link%nodes(:k - 1) /= link%nodes(k)), k=1, size(link%nodes))])
          good = n == 2
+         if (n == 1 .and. link%slide > 0) then
+            good = .true.
+            link%held(1) = link%nodes(1)
+            return
+         end if
          if (good) then
             link%held(1) = link%nodes(1)
             link%held(2) = link%nodes(findloc(link%nodes /= link%nodes(1), .true., dim=1))
             return
          end if
-         call refuse(set%link_item('X'), first, 'the link has '//to_text(n)//' joints: name in '//held_item(set)//' the two '// &
+         call refuse(set%link_item('X'), first, 'the link has '//to_text(n)//' pins: name in '//held_item(set)//' the two '// &
                      'between which it bends, or one at which it is clamped')
       end subroutine choose_held
    end subroutine make_flexible_links

@@ -37,7 +37,9 @@ module psalm_joint_load
 contains
 
    !> Follow a revolute joint. The load is that of its first body on its second, the displacement that of the first in the second.
-   subroutine find_joint_load(given, dimensions, model, joint, points, crank, load)
+   !> `motion`: how the bodies move for a unit of u and of v; a slide may be taken apart for it, which is then displaced across its
+   !> line and turned.
+   subroutine find_joint_load(given, dimensions, model, joint, points, crank, load, motion_of_bodies)
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model       !! without friction
@@ -45,6 +47,8 @@ contains
       integer, intent(in) :: points                  !! positions in a turn
       type(crank_motion_t), intent(in) :: crank      !! dampers feel its speed
       type(joint_load_t), intent(out) :: load
+      real(wp), allocatable, intent(out), optional :: motion_of_bodies(:, :, :, :) !! shape (3, bodies, 2, positions): of the
+                                                     !! reference of each body, in machine axes; turning
       class(problem_t), allocatable :: problem        ! large: it would fill a small stack
       type(motion_t) :: motion
       type(rates_t) :: rates
@@ -54,6 +58,7 @@ contains
 
       load%crank = crank%at_steps(points)
       allocate (load%inertia(2, points), load%fixed(2, points), load%tensor(3, points), source=0.0_wp)
+      if (present(motion_of_bodies)) allocate (motion_of_bodies(freedoms, size(model%reference), 2, points), source=0.0_wp)
       allocate (problem, source=given)
       call problem%set_inputs(load%crank%input)
       call problem%want_derivatives(.true., vertices_of(problem%mechanism))
@@ -87,20 +92,26 @@ contains
          call sweep(problem, n, forces)
          load%fixed(:, offset + 1:offset + n) = transpose(joint_rows(problem, forces, joint, n))
          do i = 1, n
-            call find_tensor(problem, model, forces, joint, i, load%tensor(:, offset + i), ok)
+            if (present(motion_of_bodies)) then
+               call find_tensor(problem, model, forces, joint, i, load%tensor(:, offset + i), ok, &
+                                motion_of_bodies(:, :, :, offset + i))
+            else
+               call find_tensor(problem, model, forces, joint, i, load%tensor(:, offset + i), ok)
+            end if
             if (.not. ok .and. load%loose == 0) load%loose = offset + i
          end do
       end do
    end subroutine find_joint_load
 
    !> M_uu, M_uv, M_vv at position i of the block. Errors: `ok` false if the conditions of the other joints do not suffice.
-   subroutine find_tensor(problem, model, forces, joint, i, tensor, ok)
+   subroutine find_tensor(problem, model, forces, joint, i, tensor, ok, motion_of_bodies)
       type(problem_t), intent(in) :: problem
       type(force_model_t), intent(in) :: model
       type(forces_t), intent(in) :: forces
       integer, intent(in) :: joint, i
       real(wp), intent(out) :: tensor(3)
       logical, intent(out) :: ok
+      real(wp), intent(inout), optional :: motion_of_bodies(:, :, :) !! shape (3, bodies, 2)
       real(wp) :: matrix(freedoms*size(forces%bodies), freedoms*size(forces%bodies))
       real(wp) :: right(freedoms*size(forces%bodies), 2), moved(freedoms*size(forces%bodies), 2)
       real(wp) :: reference(2, size(forces%bodies)), metre
@@ -148,6 +159,12 @@ contains
          if (.not. ok) return
       end do
       tensor = [energy(1, 1), energy(1, 2), energy(2, 2)]
+      if (.not. present(motion_of_bodies)) return
+      do b = body_frame + 1, size(forces%bodies)
+         do u = 1, 2
+            motion_of_bodies(:, b, u) = motion_of(b, u)
+         end do
+      end do
 
    contains
 

@@ -27,7 +27,9 @@ module psalm_devices
       integer :: published = 0 !! length of `six` up to the end of what the published listing has of the last case
       type(text_t) :: seven   !! vertices and data set
       type(text_t) :: eight   !! annotated input, intermediate arrays, all arcs
-      type(tables_t), allocatable :: cases(:) !! results as tables: device 9 and, for other programs, CSV and JSON
+      type(tables_t), allocatable :: cases(:) !! results as tables: device 9 and, for other programs, CSV and JSON; those up to
+                                         !! `last_case` are there
+      integer, private :: begun = 0      !! cases
       type(drawing_t), allocatable :: drawings(:) !! of the cases, by `add_drawing`
       type(ranking_entry_t), allocatable :: ranking(:) !! linkages of the cases so far that are ranked together; not allocated: none
       type(text_t) :: shares  !! of the starts, of those of them that share these
@@ -69,24 +71,24 @@ contains
       type(tables_t), allocatable :: more(:)
       integer :: i, n
 
-      n = 0
-      if (allocated(self%cases)) n = size(self%cases)
-      allocate (more(n + 1))
-      do i = 1, n
-         call move_alloc(self%cases(i)%title, more(i)%title)
-         call move_alloc(self%cases(i)%tables, more(i)%tables)
-         more(i)%count = self%cases(i)%count
-         more(i)%in_file = self%cases(i)%in_file
-      end do
-      more(n + 1) = tables_of(title, in_file)
-      call move_alloc(more, self%cases)
+      if (.not. allocated(self%cases)) allocate (self%cases(1))
+      n = size(self%cases)
+      if (self%begun == n) then
+         allocate (more(2*n))
+         do i = 1, n
+            call self%cases(i)%hand_over(more(i))
+         end do
+         call move_alloc(more, self%cases)
+      end if
+      self%begun = self%begun + 1
+      self%cases(self%begun) = tables_of(title, in_file)
    end subroutine begin_case
 
    !> Index of the case that is reported on.
    pure integer function last_case(self)
       class(devices_t), intent(in) :: self
 
-      last_case = size(self%cases)
+      last_case = self%begun
    end function last_case
 
    !> Device 9: plotting data.
@@ -97,8 +99,7 @@ contains
       integer :: i, k
 
       content = ''
-      if (.not. allocated(self%cases)) return
-      do i = 1, size(self%cases)
+      do i = 1, self%begun
          do k = 1, self%cases(i)%count
             call write_plot_block(self%cases(i)%tables(k), text)
          end do
@@ -112,8 +113,7 @@ contains
       integer :: i
 
       has_tables = .false.
-      if (.not. allocated(self%cases)) return
-      do i = 1, size(self%cases)
+      do i = 1, self%begun
          if (any(self%cases(i)%tables(:self%cases(i)%count)%audience /= for_plots)) has_tables = .true.
       end do
    end function has_tables

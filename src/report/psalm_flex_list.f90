@@ -39,7 +39,6 @@ contains
       type(flex_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       type(flex_group_t) :: flex
-      character(15), allocatable :: columns(:, :)
       logical :: named
       integer :: j
 
@@ -51,25 +50,28 @@ contains
          call text%add(' SEGMENTS '//to_text(size(link%segments))//'  ELEMENTS '//to_text(size(link%frame%elements))// &
                        '  MASS OF THE SEGMENTS'//in_sentence(named, link%own(1))//'  OF &MASSES'// &
                        in_sentence(named, sum(set%masses%mass(link%masses%entry))))
-         if (link%held(2) == 0) then
+         if (link%held(2) == 0 .and. link%slide > 0 .and. .not. study%clamped) then
+            call text%add(' HELD BY PIN '//node_name(mechanism, study, link%held(1))//' AND SLIDE '// &
+                          mechanism%joints(link%slide)%name)
+         else if (link%held(2) == 0) then
             call text%add(' CLAMPED AT '//node_name(mechanism, study, link%held(1)))
          else
             call text%add(' IT BENDS BETWEEN '//node_name(mechanism, study, link%held(1))//' AND '// &
-                          node_name(mechanism, study, link%held(2)))
+                          node_name(mechanism, study, link%held(2))//slide_words(mechanism, study))
+         end if
+         if (study%not_held) then
+            call text%add(' HOW THE SLIDE HOLDS IT COULD NOT BE FOUND: THE LINKAGE IS LOOSE WITHOUT IT')
+            return
          end if
          if (.not. study%solved) then
             call text%add(' THE NATURAL MODES COULD NOT BE FOUND: STIFFNESS AND MASS OF ITS SEGMENTS GIVE NO FREQUENCY')
             return
          end if
-         call text%add(' NATURAL FREQUENCIES AT REST')
-         call text%add('   MODE      FREQUENCY   OVER SPEED        DAMPING')
-         allocate (columns(3, size(study%frequency)))
-         columns(1, :) = figures_of(named, study%frequency)
-         columns(2, :) = figures_of(named, study%frequency/study%cycle%turn%crank%speed)
-         columns(3, :) = figures_of(named, study%damping)
-         do j = 1, size(study%frequency)
-            call text%add(right_column(j, 6)//in_a_row(columns(:, j)))
-         end do
+         if (link%slide > 0) then
+            call list_over_turn(named, study, text)
+         else
+            call list_modes(set, study, text)
+         end if
          if (study%influence%known .and. size(study%influence%node) > 0) then
             call text%add(' WITH THE MASSES THAT ITS JOINTS MOVE THE FIRST IS FROM'//in_sentence(named, study%driven(1))//' TO'// &
                           in_sentence(named, study%driven(2))//' OVER THE TURN')
@@ -98,6 +100,43 @@ contains
       call list_out_of_plane(set, mechanism, study, text)
    end subroutine list_link
 
+   !> Natural modes at rest.
+   subroutine list_modes(set, study, text)
+      type(data_set_t), intent(in) :: set
+      type(flex_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      character(15) :: columns(3, size(study%frequency))
+      logical :: named
+      integer :: j
+
+      named = set%has_names()
+      call text%add(' NATURAL FREQUENCIES AT REST')
+      call text%add('   MODE      FREQUENCY   OVER SPEED        DAMPING')
+      columns(1, :) = figures_of(named, study%frequency)
+      columns(2, :) = figures_of(named, study%frequency/study%cycle%turn%crank%speed)
+      columns(3, :) = figures_of(named, study%damping)
+      do j = 1, size(study%frequency)
+         call text%add(right_column(j, 6)//in_a_row(columns(:, j)))
+      end do
+   end subroutine list_modes
+
+   !> Frequencies of a link that is held by its pins and its slide where the shoe is, over the turn.
+   subroutine list_over_turn(named, study, text)
+      logical, intent(in) :: named
+      type(flex_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      character(15) :: columns(2, size(study%over_turn, 1))
+      integer :: j
+
+      call text%add(' NATURAL FREQUENCIES AT REST WITH THE SLIDE WHERE IT IS IN THE TURN')
+      call text%add('   MODE           FROM             TO')
+      columns(1, :) = figures_of(named, minval(study%over_turn, dim=2))
+      columns(2, :) = figures_of(named, maxval(study%over_turn, dim=2))
+      do j = 1, size(columns, 2)
+         call text%add(right_column(j, 6)//in_a_row(columns(:, j)))
+      end do
+   end subroutine list_over_turn
+
    !> The link out of the plane.
    subroutine list_out_of_plane(set, mechanism, study, text)
       type(data_set_t), intent(in) :: set
@@ -110,6 +149,10 @@ contains
 
       named = set%has_names()
       associate (out => study%out)
+         if (out%left_out) then
+            call text%add(' OUT OF THE PLANE A LINK WITH A SLIDE IS NOT STUDIED')
+            return
+         end if
          call text%add(' OUT OF THE PLANE: '//hold_words(mechanism, study))
          if (.not. out%solved) then
             call text%add(' ITS NATURAL MODES COULD NOT BE FOUND')
@@ -138,6 +181,16 @@ contains
          call list_multiplier(named, out%coupled, text)
       end associate
    end subroutine list_out_of_plane
+
+   !> Its slide, if it has one.
+   pure function slide_words(mechanism, study) result(words)
+      type(mechanism_t), intent(in) :: mechanism
+      type(flex_study_t), intent(in) :: study
+      character(:), allocatable :: words
+
+      words = ''
+      if (study%link%slide > 0) words = ', ITS SLIDE IS '//mechanism%joints(study%link%slide)%name
+   end function slide_words
 
    !> What holds it out of the plane.
    pure function hold_words(mechanism, study) result(words)

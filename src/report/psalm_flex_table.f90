@@ -59,6 +59,7 @@ contains
       call table%add('damping', [(studies(k)%damping, k=1, size(studies))])
       call tables%put(table)
       call put_out_of_plane(studies, names, tables)
+      call put_over_turn(studies, names, tables)
       call put_segments(studies, names, tables)
       call put_joints(mechanism, studies, names, tables)
       call put_turn(studies, tables)
@@ -131,6 +132,35 @@ contains
       call table%add('swing', together%swing, 'rad')
       call tables%put(table)
    end subroutine put_together
+
+   !> Frequencies of links with a slide over the turn.
+   subroutine put_over_turn(studies, names, tables)
+      type(flex_study_t), intent(in) :: studies(:)
+      character(*), intent(in) :: names(:)
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      character(name_length), allocatable :: links(:)
+      real(wp), allocatable :: columns(:, :)
+      integer :: k, i, many
+
+      allocate (links(0), columns(4, 0))
+      do k = 1, size(studies)
+         if (.not. allocated(studies(k)%over_turn) .or. .not. studies(k)%solved) cycle
+         many = size(studies(k)%over_turn, 2)
+         links = [character(name_length) :: links, (names(k), i=1, many)]
+         columns = reshape([columns, ([studies(k)%cycle%turn%crank%input(i), &
+                                       studies(k)%over_turn(:, i)], i=1, many)], [4, size(links)])
+      end do
+      if (size(links) == 0) return
+      table = table_of('flexible_frequencies', 'a row for each link with a slide and position: natural frequencies at rest', &
+                       audience=for_programs)
+      call table%add('link', links)
+      call table%add('input', columns(1, :), 'deg')
+      call table%add('first', columns(2, :), 'rad/s')
+      call table%add('second', columns(3, :), 'rad/s')
+      call table%add('third', columns(4, :), 'rad/s')
+      call tables%put(table)
+   end subroutine put_over_turn
 
    !> Links out of the plane.
    subroutine put_out_of_plane(studies, names, tables)

@@ -27,6 +27,7 @@ module psalm_steady_report
    public :: report_steady
 
    real(wp), parameter :: enough = 1.0e-8_wp !! resolution of samples that leave nothing open
+   real(wp), parameter :: enough_of_slide = 1.0e-4_wp !! where a shoe moves over elements, whose curvature has steps
 
 contains
 
@@ -98,7 +99,8 @@ contains
          end do
          call list_flexible(set, mechanism, study%flexible, devices%six)
          call put_flexible(set, mechanism, study%flexible, devices%cases(devices%last_case()))
-         if (any(study%flexible%resolution > enough .or. study%flexible%out%resolution > enough)) call coarse('NXPNT', flex%points)
+         if (any(study%flexible%resolution > merge(enough_of_slide, enough, study%flexible%link%slide > 0) .or. &
+                 study%flexible%out%resolution > enough)) call coarse('NXPNT', flex%points)
       end if
       if (allocated(study%drive)) then
          if (stuck(set, mechanism, study%drive%turn, devices)) return
@@ -158,7 +160,8 @@ contains
       name = 'the link '//flexible_name(set, study)
       if (.not. study%solved) then
          call devices%note_violation()
-         call devices%remark(set, name//': its natural modes could not be found')
+         call devices%remark(set, name//trim(merge(': how the slide holds it could not be found', &
+                                                   ': its natural modes could not be found     ', study%not_held)))
          return
       end if
       if (study%least_stiffness < 0.0_wp) then
@@ -167,6 +170,12 @@ contains
                              number_words(set%has_names(), study%least_at)//' degrees after the reference')
       end if
       call remark_coupled(set, name, study%coupled, devices)
+      if (study%leaves > 0.0_wp) then
+         call devices%note_violation()
+         call devices%remark(set, name//': its slide is beside its segments, by at most '// &
+                             number_words(set%has_names(), study%leaves)//' m; draw segments where the shoe moves')
+      end if
+      if (study%out%left_out) return
       if (.not. study%out%solved) then
          call devices%note_violation()
          call devices%remark(set, name//', out of the plane: its natural modes could not be found')

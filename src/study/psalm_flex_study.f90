@@ -51,6 +51,11 @@ module psalm_flex_study
       real(wp), allocatable :: inertia(:, :)     !! shape (4, bodies): of all bodies, as of a force model
       real(wp), allocatable :: motion(:, :, :, :) !! shape (3, bodies, solved modes, positions): of all bodies by each mode, as of
                                                  !! `influence`
+      real(wp), allocatable :: over_turn(:, :)   !! shape (modes, positions): of a link with a slide, natural frequencies at rest
+                                                 !! where its pins and its slide hold it, rad/s
+      logical :: clamped = .false.               !! a drive turns it
+      logical :: not_held = .false.              !! without its slide the linkage is loose
+      real(wp) :: leaves = 0.0_wp                !! greatest distance of the shoe from the segments, m; 0: on them
       real(wp), allocatable :: by_origin(:, :)   !! shape (3, solved modes): mass between a mode and its origin's motion
       real(wp) :: driven(2) = 0.0_wp             !! least and greatest first frequency with these masses, rad/s
       type(periodic_t), allocatable :: c(:, :), k(:, :) !! shape (solved modes, the same): their damping and stiffness over the

@@ -1,8 +1,10 @@
 !> How a link of beam elements is solved. Only this knows what the group FLEX has.
 submodule(psalm_flex_study) psalm_flex_study_body
-   use psalm_beam_elements, only: beam_frame_t, freedoms, ends, motions, freedoms_of, local_load, tension_stiffness, bracket_of
+   use psalm_beam_elements, only: beam_frame_t, element_t, freedoms, ends, motions, freedoms_of, local_load, &
+                                  tension_stiffness, bracket_of
    use psalm_coupled_hill, only: solve_coupled, without_mass
    use psalm_driven_masses, only: find_influence
+   use psalm_flex_slide, only: shoe_place_t, place_shoe, rigid_motions, rates_of, supported_frequencies, rigid_freedoms
    use psalm_dense, only: factors_t, factorise, solve
    use psalm_flex_group, only: flex_group_t, flex_of
    use psalm_flexible_link, only: attached_t
@@ -18,6 +20,7 @@ submodule(psalm_flex_study) psalm_flex_study_body
    integer, parameter :: finer = 2               !! positions in a turn where masses vary, times those of the link
    real(wp), parameter :: shortest = 1.0e-15_wp  !! s/rad, of a mode that has a meaning
    real(wp), parameter :: far_above = 1000.0_wp  !! times the speed: modes so fast follow their loads at once
+   real(wp), parameter :: beside = 1.0e-4_wp     !! of the size of a link: a shoe so near to a segment is on it
 
    !> What loads the link: each load by a signal over the turn.
    type :: link_loading_t
@@ -26,16 +29,29 @@ submodule(psalm_flex_study) psalm_flex_study_body
       real(wp), allocatable :: signals(:, :)     !! shape (signals, positions): together; m/s2, rad/s2, 1/s2; N; N m
       real(wp), allocatable :: statics(:, :)     !! displacements by each load: shape as loads
       real(wp), allocatable :: end_forces(:, :, :) !! of the elements, by each load: shape (ends, elements, signals)
+      integer :: slide = 0                       !! signals before those of a slide, one for each freedom of the frame
+      type(shoe_place_t), allocatable :: shoes(:) !! shape (positions): of the slide
    end type link_loading_t
+
+   !> How a link moves by its shapes, besides bending, and what the change of this over the turn adds.
+   type :: moving_shapes_t
+      real(wp), allocatable :: whole(:, :, :)    !! shape (freedoms of the frame, modes, positions; of a link without a slide 1)
+      real(wp), allocatable :: mass(:, :, :)     !! shape (modes, modes, positions): of the link alone
+      real(wp), allocatable :: damping(:, :, :), stiffness(:, :, :) !! the same: what they add, at unit speed
+   end type moving_shapes_t
+
+   integer, parameter :: listed_over_turn = 3    !! frequencies of a link with a slide
 
 contains
 
    module procedure find_flex
       type(flex_group_t) :: flex
       type(link_loading_t) :: loading
+      type(moving_shapes_t) :: moving
       real(wp), allocatable :: shapes(:, :)      ! shape (freedoms of the frame, modes): of unit mass
       logical, allocatable :: free(:)
       real(wp) :: speed
+      integer :: k
 
       flex = flex_of(set)
       study%link = link
@@ -58,11 +74,18 @@ contains
       end if
       call find_influence(given, dimensions, model, link, flex%points, crank, study%influence)
       study%inertia = model%inertia
-      call find_driven(shapes, study)
+      if (link%slide > 0) then
+         call hold_slide(free, loading, any(given%mechanism%actuators%joint > 0 .and. .not. given%mechanism%actuators%slides .and. &
+                                            [(any(link%joints == given%mechanism%actuators(k)%joint), &
+                                              k=1, size(given%mechanism%actuators))]), study)
+         if (.not. study%solved) return
+      end if
+      call find_driven(shapes, loading, study)
       study%solved_modes = count(study%frequency <= far_above*speed)
       if (study%driven(1) <= far_above*speed) study%solved_modes = max(1, study%solved_modes)
       if (study%solved_modes > 0) shapes = shapes(:, :study%solved_modes)
-      call find_response(set, flex, speed, shapes, loading, study)
+      call find_moving(flex, speed, shapes, study, moving)
+      call find_response(set, flex, speed, shapes, moving, loading, study)
       if (.not. study%steady) return
       call add_vibration(speed, shapes, study, loading)
       call find_stresses(speed, shapes, loading, study)
@@ -154,6 +177,10 @@ contains
 
       associate (link => study%link, frame => study%link%frame, turn => study%cycle)
          many = motions + 2*size(link%joints) + freedoms*size(turn%acting)
+         if (link%slide > 0) then
+            loading%slide = many
+            many = many + size(free)
+         end if
          n = size(turn%turning)
          allocate (loading%loads(size(free), many), loading%statics(size(free), many), &
                    loading%end_forces(ends, size(frame%elements), many), source=0.0_wp)
@@ -178,9 +205,11 @@ contains
             call add_acting(j, b)
             b = b + freedoms
          end do
+         if (link%slide > 0) call add_slide()
          loading%signals = speed**2*loading%by_part(:, :, part_inertia) + loading%by_part(:, :, part_fixed) + &
                            speed*loading%by_part(:, :, part_damped)
          study%equilibrium = unbalanced(frame, loading)
+         if (link%slide > 0) study%equilibrium = along_slide(loading)
          places = pack([(k, k=1, size(free))], free)
          call factorise(frame%stiffness(places, places), factors)
          do b = 1, many
@@ -197,6 +226,49 @@ contains
       end associate
 
    contains
+
+      !> Force and couple of the slide, which balance all other forces, put on the nodes of the element where the shoe is.
+      subroutine add_slide()
+         real(wp) :: sums(size(loading%by_part, 1), rigid_freedoms), balance(rigid_freedoms)
+         integer :: i, l
+
+         associate (frame => study%link%frame, turn => study%cycle)
+            loading%shoes = place_shoe(frame, turn)
+            study%leaves = maxval(loading%shoes%off)
+            if (study%leaves <= beside*maxval(abs(frame%x))) study%leaves = 0.0_wp
+            do i = 1, size(free)
+               loading%loads(i, loading%slide + i) = 1.0_wp
+            end do
+            sums = product_of(transpose(loading%loads), rigid_motions(frame))
+            do l = 1, parts
+               do i = 1, n
+                  balance = -along_columns(sums(:loading%slide, :), loading%by_part(:loading%slide, i, l))
+                  balance(3) = balance(3) - turn%shoe(1, i)*balance(2) + turn%shoe(2, i)*balance(1)
+                  associate (shoe => loading%shoes(i))
+                     loading%by_part(loading%slide + shoe%places, i, l) = along_columns(shoe%moved, balance)
+                  end associate
+               end do
+            end do
+         end associate
+      end subroutine add_slide
+
+      !> The force along the slide that would be needed, over the largest force of a joint: there is none.
+      pure real(wp) function along_slide(loading) result(part)
+         type(link_loading_t), intent(in) :: loading
+         real(wp) :: force(2), largest
+         integer :: i
+
+         part = 0.0_wp
+         largest = maxval(abs(loading%signals(motions + 1:loading%slide, :)))
+         do i = 1, size(loading%shoes)
+            associate (of => loading%signals(loading%slide + 1:, i))
+               force = [sum(of(1::freedoms)), sum(of(2::freedoms))]
+            end associate
+            largest = max(largest, maxval(abs(force)))
+            part = max(part, abs(force(1)*study%cycle%normal(2, i) - force(2)*study%cycle%normal(1, i)))
+         end do
+         if (largest > 0.0_wp) part = part/largest
+      end function along_slide
 
       !> A load, or the end of a spring, in three signals.
       subroutine add_acting(j, before)
@@ -243,13 +315,14 @@ contains
    end function unbalanced
 
    !> The steady motion of all modes together.
-   subroutine find_response(set, flex, speed, shapes, loading, study)
+   subroutine find_response(set, flex, speed, shapes, moving, loading, study)
       type(data_set_t), intent(in) :: set
       type(flex_group_t), intent(in) :: flex
       real(wp), intent(in) :: speed, shapes(:, :)
+      type(moving_shapes_t), intent(in) :: moving
       type(link_loading_t), intent(in) :: loading
       type(flex_study_t), intent(inout) :: study
-      real(wp), dimension(size(shapes, 2), size(shapes, 2), size(loading%signals, 2)) :: stiffness
+      real(wp), dimension(size(shapes, 2), size(shapes, 2), size(loading%signals, 2)) :: stiffness, damping
       real(wp), dimension(size(shapes, 2), size(shapes, 2)) :: spin
       real(wp), dimension(size(loading%signals, 2), size(shapes, 2)) :: force
       type(periodic_t) :: p(size(shapes, 2))
@@ -259,13 +332,24 @@ contains
       modes = size(shapes, 2)
       positions = size(loading%signals, 2)
       stiffness = 0.0_wp
-      call add_tension(loading, shapes, study, stiffness)
-      call add_attached(set, shapes, loading, study, stiffness)
+      call add_tension(loading, moving%whole, study, stiffness)
+      call add_attached(set, moving%whole, loading, study, stiffness)
       spin = product_of(transpose(shapes), product_of(study%link%frame%spin, shapes))
       do n = 1, positions
-         stiffness(:, :, n) = stiffness(:, :, n)/speed**2 + study%cycle%turning(n)*spin
+         damping(:, :, n) = 2.0_wp*study%cycle%turn%crank%sense*study%cycle%speed(n)*spin
+         if (study%link%slide > 0) then
+            associate (whole => moving%whole(:, :, n))
+               spin = product_of(transpose(whole), product_of(study%link%frame%spin, whole))
+            end associate
+            damping(:, :, n) = 2.0_wp*study%cycle%turn%crank%sense*study%cycle%speed(n)*spin + moving%damping(:, :, n)
+            stiffness(:, :, n) = stiffness(:, :, n)/speed**2 + study%cycle%turning(n)*spin + moving%stiffness(:, :, n) &
+                                 - study%cycle%speed(n)**2*moving%mass(:, :, n)
+         else
+            stiffness(:, :, n) = stiffness(:, :, n)/speed**2 + study%cycle%turning(n)*spin
+         end if
          do i = 1, modes
-            stiffness(i, i, n) = stiffness(i, i, n) + (study%frequency(i)/speed)**2 - study%cycle%speed(n)**2
+            stiffness(i, i, n) = stiffness(i, i, n) + (study%frequency(i)/speed)**2
+            if (study%link%slide == 0) stiffness(i, i, n) = stiffness(i, i, n) - study%cycle%speed(n)**2
          end do
       end do
       allocate (study%forces(positions, modes, parts), study%c(modes, modes), study%k(modes, modes))
@@ -279,12 +363,17 @@ contains
          study%resolution = max(study%resolution, p(j)%resolution())
          do i = 1, modes
             study%k(i, j) = periodic_from_samples(stiffness(i, j, :))
-            study%c(i, j) = periodic_from_samples(2.0_wp*study%cycle%turn%crank%sense*study%cycle%speed*spin(i, j))
+            study%c(i, j) = periodic_from_samples(damping(i, j, :))
          end do
-         study%c(j, j) = study%c(j, j)%plus(periodic_constant(2.0_wp*study%damping(j)*study%frequency(j)/speed))
+         if (study%link%slide == 0) &
+            study%c(j, j) = study%c(j, j)%plus(periodic_constant(2.0_wp*study%damping(j)*study%frequency(j)/speed))
       end do
       study%resolution = max(study%resolution, study%k(1, 1)%resolution())
-      call find_least(stiffness, speed, study)
+      if (study%link%slide > 0) then
+         call find_least(stiffness - moving%stiffness, moving, speed, study) ! less what motion of the shoe adds
+      else
+         call find_least(stiffness, moving, speed, study)
+      end if
       if (study%solved_modes > 0) then
          if (study%influence%known) then
             allocate (c(modes, modes), k(modes, modes), load(modes))
@@ -321,8 +410,9 @@ contains
    end subroutine follow_statics
 
    !> How all bodies move by each mode, and the first frequency with them.
-   subroutine find_driven(shapes, study)
+   subroutine find_driven(shapes, loading, study)
       real(wp), intent(in) :: shapes(:, :)
+      type(link_loading_t), intent(in) :: loading
       type(flex_study_t), intent(inout) :: study
       real(wp), dimension(size(shapes, 2), size(shapes, 2)) :: k, m, unused
       real(wp) :: squares(size(shapes, 2)), frequency
@@ -341,6 +431,17 @@ contains
                                        shapes(freedoms*(study%influence%node(g) - 1) + study%influence%direction(g), j)
          end do
       end do
+      if (study%link%slide > 0) then
+         do n = 1, size(loading%shoes)
+            associate (shoe => loading%shoes(n), by => study%influence%slide)
+               do j = 1, modes
+                  study%motion(:, :, j, n) = study%motion(:, :, j, n) + by(:, :, 1, n)*sum(shoe%across*shapes(shoe%places, j)) &
+                                             + by(:, :, 2, n)*sum(shoe%moved(3, :)*shapes(shoe%places, j))
+               end do
+            end associate
+         end do
+         n = size(study%influence%motion, 4)
+      end if
       study%driven = [huge(1.0_wp), 0.0_wp]
       do n = 1, size(study%motion, 4)
          k = 0.0_wp
@@ -412,10 +513,122 @@ contains
                place = motions + 2*(l - 1) + study%influence%direction(g)
                signals(place) = signals(place) - push
             end do
+            if (link%slide > 0) then
+               associate (shoe => loading%shoes(n))
+                  do g = 1, 2
+                     associate (unit => study%influence%slide(:, :, g, n))
+                        push = mass_between(study%inertia, axes, unit, moved)
+                        do j = 1, size(shapes, 2)
+                           push = push + speed**2*study%coupled%y2(n, j)*sum(study%by_origin(:, j)*origin_motion(link, axes, unit))
+                        end do
+                     end associate
+                     associate (at => signals(loading%slide + shoe%places))
+                        signals(loading%slide + shoe%places) = at - push*merge(shoe%across, shoe%moved(3, :), g == 1)
+                     end associate
+                  end do
+               end associate
+            end if
             loading%signals(:, n) = loading%signals(:, n) + signals
          end associate
       end do
    end subroutine add_vibration
+
+   !> How the slide holds the link, and its frequencies over the turn; `study%solved` is false where that is not found.
+   subroutine hold_slide(free, loading, is_clamped, study)
+      logical, intent(in) :: free(:)
+      type(link_loading_t), intent(in) :: loading
+      logical, intent(in) :: is_clamped
+      type(flex_study_t), intent(inout) :: study
+      real(wp), allocatable :: by_slide(:, :, :)
+      integer :: n, k
+
+      study%clamped = is_clamped
+      study%not_held = .not. study%influence%known
+      study%solved = study%influence%known
+      if (study%not_held) return
+      allocate (by_slide(rigid_freedoms, 2, size(loading%shoes)))
+      allocate (study%over_turn(listed_over_turn, size(loading%shoes)), source=0.0_wp)
+      associate (by => study%influence%slide)
+         do n = 1, size(loading%shoes)
+            ! at the foot of the joint, where it was taken apart, a turning at the shoe displaces besides
+            by(:, :, 2, n) = by(:, :, 2, n) - study%cycle%reach(n)*by(:, :, 1, n)
+            do k = 1, 2
+               by_slide(:, k, n) = origin_motion(study%link, study%influence%axes(:, :, n), by(:, :, k, n))
+            end do
+         end do
+      end associate
+      call supported_frequencies(study%link%frame, free, loading%shoes, by_slide, study%over_turn, study%solved)
+   end subroutine hold_slide
+
+   !> The shapes with the motion of the axes of a link that has a slide.
+   subroutine find_moving(flex, speed, shapes, study, moving)
+      type(flex_group_t), intent(in) :: flex
+      real(wp), intent(in) :: speed, shapes(:, :)
+      type(flex_study_t), intent(in) :: study
+      type(moving_shapes_t), intent(out) :: moving
+      real(wp), allocatable, dimension(:, :, :) :: axes, first, second ! shape (3, modes, positions)
+      real(wp), allocatable, dimension(:, :) :: rigid, of_rigid, turned ! inertia against rigid motions
+      integer :: n, j, modes, positions
+
+      modes = size(shapes, 2)
+      if (study%link%slide == 0) then
+         moving%whole = reshape(shapes, [size(shapes, 1), modes, 1])
+         return
+      end if
+      positions = size(study%motion, 4)
+      allocate (axes(rigid_freedoms, modes, positions), first(rigid_freedoms, modes, positions), &
+                second(rigid_freedoms, modes, positions), moving%whole(size(shapes, 1), modes, positions), &
+                moving%mass(modes, modes, positions), moving%damping(modes, modes, positions), &
+                moving%stiffness(modes, modes, positions))
+      do n = 1, positions
+         do j = 1, modes
+            axes(:, j, n) = origin_motion(study%link, study%influence%axes(:, :, n), study%motion(:, :, j, n))
+         end do
+      end do
+      call rates_of(axes, first, second)
+      rigid = rigid_motions(study%link%frame)
+      of_rigid = product_of(study%link%frame%mass, rigid)
+      turned = product_of(study%link%frame%spin, rigid)
+      do n = 1, positions
+         associate (whole => moving%whole(:, :, n))
+            whole = shapes + product_of(rigid, axes(:, :, n))
+            moving%mass(:, :, n) = product_of(transpose(whole), product_of(study%link%frame%mass, whole))
+            associate (rate => product_of(product_of(transpose(whole), of_rigid), first(:, :, n)))
+               ! of 2 U' M R c' half the symmetric part is the growth of the mass, which is added for all bodies
+               moving%damping(:, :, n) = rate - transpose(rate) + damped_modes(moving%mass(:, :, n))
+            end associate
+            moving%stiffness(:, :, n) = product_of(product_of(transpose(whole), of_rigid), second(:, :, n)) &
+                                        + 2.0_wp*study%cycle%turn%crank%sense*study%cycle%speed(n)* &
+                                        product_of(product_of(transpose(whole), turned), first(:, :, n))
+         end associate
+      end do
+
+   contains
+
+      !> Damping of the modes that the link has where it is held at a position: each a part of its critical one, over the speed.
+      function damped_modes(mass) result(c)
+         real(wp), intent(in) :: mass(:, :)
+         real(wp), dimension(size(mass, 1), size(mass, 1)) :: c, k, vectors, moved
+         real(wp) :: squares(size(mass, 1)), frequency, damping
+         integer :: i
+         logical :: ok
+
+         k = 0.0_wp
+         do i = 1, size(mass, 1)
+            k(i, i) = study%frequency(i)**2
+         end do
+         c = 0.0_wp
+         call natural_modes(k, mass, squares, vectors, ok)
+         if (.not. ok) return
+         moved = product_of(mass, vectors)
+         do i = 1, size(squares)
+            frequency = sqrt(squares(i))
+            damping = 2.0_wp*flex%damping*frequency + flex%by_mass + flex%by_stiffness*squares(i)
+            moved(:, i) = moved(:, i)*sqrt(damping/(speed*sum(vectors(:, i)*along_columns(mass, vectors(:, i)))))
+         end do
+         c = product_of(moved, transpose(moved))
+      end function damped_modes
+   end subroutine find_moving
 
    !> The link out of the plane, under the pulls and moments that the rigid motion and its loads make in the plane.
    subroutine leave_plane(set, flex, loading, study)
@@ -444,18 +657,26 @@ contains
    !> What tension and compression of the elements add.
    subroutine add_tension(loading, shapes, study, stiffness)
       type(link_loading_t), intent(in) :: loading
-      real(wp), intent(in) :: shapes(:, :)
+      real(wp), intent(in) :: shapes(:, :, :)    !! shape (freedoms of the frame, modes, positions, or 1 for all)
       type(flex_study_t), intent(in) :: study
       real(wp), intent(inout) :: stiffness(:, :, :)
-      real(wp) :: taut(size(shapes, 2), size(shapes, 2), 2)
+      real(wp) :: taut(size(shapes, 2), size(shapes, 2), 2), own(ends)
       real(wp), dimension(size(loading%signals, 2)) :: first, second
       integer :: e, n
 
       do e = 1, size(study%link%frame%elements)
-         taut = tension_stiffness(study%link%frame%elements(e), shapes)
+         taut = tension_stiffness(study%link%frame%elements(e), shapes(:, :, 1))
          first = -along_columns(loading%signals, loading%end_forces(1, e, :))
          second = along_columns(loading%signals, loading%end_forces(4, e, :))
          do n = 1, size(first)
+            if (loading%slide > 0) then
+               taut = tension_stiffness(study%link%frame%elements(e), shapes(:, :, n))
+               if (loading%shoes(n)%element == e) then
+                  own = local_load(study%link%frame%elements(e), loading%signals(loading%slide + 1:, n))
+                  first(n) = first(n) + own(1)
+                  second(n) = second(n) - own(4)
+               end if
+            end if
             stiffness(:, :, n) = stiffness(:, :, n) + first(n)*taut(:, :, 1) + second(n)*taut(:, :, 2)
          end do
       end do
@@ -464,7 +685,7 @@ contains
    !> What forces on brackets and springs add.
    subroutine add_attached(set, shapes, loading, study, stiffness)
       type(data_set_t), intent(in) :: set
-      real(wp), intent(in) :: shapes(:, :)
+      real(wp), intent(in) :: shapes(:, :, :)    !! as of `add_tension`
       type(link_loading_t), intent(in) :: loading
       type(flex_study_t), intent(in) :: study
       real(wp), intent(inout) :: stiffness(:, :, :)
@@ -479,7 +700,8 @@ contains
                do n = 1, size(stiffness, 3)
                   along = -mass*(s(1, n) - s(3, n)*place(2) - s(4, n)*place(1))
                   across = -mass*(s(2, n) + s(3, n)*place(1) - s(4, n)*place(2))
-                  call stiffen_turning(of%node, along*of%reach(1) + across*of%reach(2), stiffness(:, :, n))
+                  call stiffen_turning(of%node, shapes(:, :, min(n, size(shapes, 3))), along*of%reach(1) + across*of%reach(2), &
+                                       stiffness(:, :, n))
                end do
             end associate
          end do
@@ -487,9 +709,10 @@ contains
          do k = 1, size(study%cycle%acting)
             associate (of => study%cycle%acting(k))
                do n = 1, size(stiffness, 3)
-                  call stiffen_turning(at(k)%node, of%along(n)*at(k)%reach(1) + of%across(n)*at(k)%reach(2) + of%torsion, &
-                                       stiffness(:, :, n))
-                  if (k > size(link%loads)) call stiffen_point(at(k)%node, at(k)%reach, of%held(n, :), stiffness(:, :, n))
+                  call stiffen_turning(at(k)%node, shapes(:, :, min(n, size(shapes, 3))), of%along(n)*at(k)%reach(1) + &
+                                       of%across(n)*at(k)%reach(2) + of%torsion, stiffness(:, :, n))
+                  if (k > size(link%loads)) call stiffen_point(at(k)%node, shapes(:, :, min(n, size(shapes, 3))), at(k)%reach, &
+                                                               of%held(n, :), stiffness(:, :, n))
                end do
             end associate
          end do
@@ -497,8 +720,9 @@ contains
 
    contains
 
-      subroutine stiffen_turning(node, value, k)
+      subroutine stiffen_turning(node, shapes, value, k)
          integer, intent(in) :: node
+         real(wp), intent(in) :: shapes(:, :)
          real(wp), intent(in) :: value           !! N m/rad
          real(wp), intent(inout) :: k(:, :)
          integer :: j
@@ -508,8 +732,9 @@ contains
          end do
       end subroutine stiffen_turning
 
-      subroutine stiffen_point(node, reach, held, k)
+      subroutine stiffen_point(node, shapes, reach, held, k)
          integer, intent(in) :: node
+         real(wp), intent(in) :: shapes(:, :)
          real(wp), intent(in) :: reach(2), held(3)
          real(wp), intent(inout) :: k(:, :)
          real(wp) :: moved(2, size(shapes, 2))
@@ -524,19 +749,31 @@ contains
    end subroutine add_attached
 
    !> The least squared frequency over the turn.
-   subroutine find_least(stiffness, speed, study)
+   subroutine find_least(stiffness, moving, speed, study)
       real(wp), intent(in) :: stiffness(:, :, :) !! over the squared speed
+      type(moving_shapes_t), intent(in) :: moving
       real(wp), intent(in) :: speed
       type(flex_study_t), intent(inout) :: study
       complex(wp) :: matrix(size(stiffness, 1), size(stiffness, 1))
       real(wp) :: values(size(stiffness, 1)), least(size(stiffness, 3))
+      real(wp), dimension(size(stiffness, 1), size(stiffness, 1)) :: at_rest, shapes
       integer :: n
       logical :: ok
 
+      at_rest = 0.0_wp
+      do n = 1, size(values)
+         at_rest(n, n) = (study%frequency(n)/speed)**2
+      end do
       do n = 1, size(least)
          matrix = cmplx(0.5_wp*(stiffness(:, :, n) + transpose(stiffness(:, :, n))), kind=wp)
          call hermitian_eigenvalues(matrix, values, ok)
          least(n) = values(1)
+         if (study%link%slide == 0) cycle
+         ! with the mass that moves besides, over the square of the link at rest there
+         call natural_modes(real(matrix, wp), moving%mass(:, :, n), values, shapes, ok)
+         least(n) = values(1)*study%frequency(1)**2
+         call natural_modes(at_rest, moving%mass(:, :, n), values, shapes, ok)
+         least(n) = least(n)/(values(1)*speed**2)
       end do
       study%least_stiffness = minval(least)*(speed/study%frequency(1))**2
       study%least_at = study%cycle%turn%crank%input(minloc(least, dim=1))
@@ -572,8 +809,10 @@ contains
             do k = 1, size(frame%x, 2)
                study%displacement(:, k, n) = moved(freedoms*(k - 1) + 1:freedoms*(k - 1) + 2)
             end do
+            if (loading%slide > 0) call move_axes()
             do k = 1, size(study%link%joints)
                study%joints(k, n) = sqrt(sum(study%displacement(:, study%link%nodes(k), n)**2))
+               if (loading%slide > 0 .and. study%link%nodes(k) == study%link%held(1)) study%joints(k, n) = 0.0_wp
             end do
             do e = 1, size(frame%elements)
                associate (element => frame%elements(e))
@@ -581,6 +820,12 @@ contains
                   forces = along_columns(element%stiffness, local_load(element, moved)) + &
                            along_columns(element%mass, local_load(element, accelerated)) - &
                            along_columns(transpose(element%motion), loading%signals(:motions, n))
+                  if (loading%slide > 0) then
+                     if (loading%shoes(n)%element == e) then
+                        forces = forces - local_load(element, loading%signals(loading%slide + 1:, n))
+                        call note_shoe(element)
+                     end if
+                  end if
                   do k = 1, 2
                      associate (part => merge(element%from, element%to, k == 1))
                         call note(study%segments(s)%deflection, sqrt(sum(study%displacement(:, element%nodes(k), n)**2)), part)
@@ -602,6 +847,57 @@ contains
       end associate
 
    contains
+
+      !> Displacements in axes that move as the rigid link, in place of those that move with the pin.
+      subroutine move_axes()
+         real(wp) :: motion(rigid_freedoms, size(study%inertia, 2)), axes(rigid_freedoms)
+         integer :: g
+
+         associate (shoe => loading%shoes(n), influence => study%influence)
+            motion = influence%slide(:, :, 1, n)*sum(shoe%across*moved(shoe%places)) &
+                     + influence%slide(:, :, 2, n)*sum(shoe%moved(3, :)*moved(shoe%places))
+            do g = 1, size(influence%node)
+               motion = motion + influence%motion(:, :, g, n)*moved(freedoms*(influence%node(g) - 1) + influence%direction(g))
+            end do
+            axes = origin_motion(study%link, influence%axes(:, :, n), motion)
+         end associate
+         associate (frame => study%link%frame)
+            do k = 1, size(frame%x, 2)
+               study%displacement(:, k, n) = study%displacement(:, k, n) + axes(:2) + axes(3)*[-frame%x(2, k), frame%x(1, k)]
+            end do
+         end associate
+      end subroutine move_axes
+
+      !> Stresses on both sides of the shoe, within its element.
+      subroutine note_shoe(element)
+         type(element_t), intent(in) :: element
+         real(wp) :: depth, inertia, area, at
+         integer :: i
+
+         associate (p => loading%shoes(n)%part, node => element%node)
+            at = element%from + p*(element%to - element%from)
+            depth = node(1)%depth + p*(node(2)%depth - node(1)%depth)
+            inertia = node(1)%inertia + p*(node(2)%inertia - node(1)%inertia)
+            area = node(1)%area + p*(node(2)%area - node(1)%area)
+            s = findloc(study%link%segments, element%segment, dim=1)
+            if (.not. study%stressed) return
+            do i = 1, 2
+               if (i == 1) then
+                  stress(1) = -forces(3) + forces(2)*p*element%length
+                  stress(2) = -forces(1)/area
+               else
+                  stress(1) = forces(6) + forces(5)*(1.0_wp - p)*element%length
+                  stress(2) = forces(4)/area
+               end if
+               stress(1) = abs(stress(1))*0.5_wp*depth/inertia
+               stress(3) = stress(1) + abs(stress(2))
+               do j = 1, stress_kinds
+                  call note(study%segments(s)%stress(j), stress(j), at)
+                  if (abs(stress(j)) > abs(study%stress(n, j))) study%stress(n, j) = stress(j)
+               end do
+            end do
+         end associate
+      end subroutine note_shoe
 
       subroutine note(greatest, value, part)
          type(greatest_t), intent(inout) :: greatest

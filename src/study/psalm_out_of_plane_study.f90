@@ -40,6 +40,7 @@ module psalm_out_of_plane_study
    end type prestress_t
 
    type :: out_of_plane_t
+      logical :: left_out = .false.              !! the link has a slide: it is not studied
       logical :: solved = .false.                !! the modes were found
       logical :: long_pins = .false.             !! they hold slope and twist
       logical :: line_held = .false.             !! the joints are on a line, about which the link is held
@@ -80,6 +81,8 @@ contains
 
       out%long_pins = flex%long_pins
       allocate (out%frequency(0), out%damping(0), out%twist(0))
+      out%left_out = link%slide > 0
+      if (out%left_out) return
       call assemble_out_of_plane(link%frame, frame)
       call add_masses(set, link, frame)
       call hold(link, out, free)

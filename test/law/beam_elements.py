@@ -289,9 +289,9 @@ def refusals(place):
              .replace("YLOOP=1", "YLOOP=1,1, XRISE=0.0,0.02"), "more than 120 are not solved"),
             (good.replace("&FLEX", "&FRICTN FLINK=2, FLOOP=1, FMU=0.1, FRAD=0.01 &END\n &FLEX"), "leave &FRICTN out"),
             ((BELL % 40.0) + " &FLEX XNAME='bell C','bell D', YNAME='bell D','bell P', XMOD=207E9, XRHO=7850.0, XDEPTH=0.012, XWIDTH=0.010 &END\n",
-             "the link has 3 joints: name in XHNAME"),
+             "the link has 3 pins: name in XHNAME"),
             ((BELL % 40.0) + " &FLEX XNAME='slider Q', YNAME='slider Q', YDIST=0.1, XMOD=207E9, XRHO=7850.0, XDEPTH=0.012, XWIDTH=0.010 &END\n",
-             "only links with pins are treated"),
+             "holds the slope of the link"),
             (good.split(" &RATES")[0] + COUPLER % "", "ssics needs the SPEED"),
             (FOUR_BAR % 80.0 + " &FLEX &END\n", "there are no segments")):
         status, _, said = run(place, "no", text)

@@ -77,6 +77,14 @@ def frequencies(place):
     wanted = list(numpy.sqrt(eigh(k, numpy.diag([mass, inertia / 2]))[0])) + [math.sqrt(G * torsion / arm / (inertia / 2))]
     for found, value in zip(out_of_plane(place, "disc")[1], sorted(wanted)):
         near("arm with a disc, mode %g" % found["mode"], found["frequency"], value, 2e-4)
+    # a quarter of a circle without mass and a mass at its end: radius**3 (pi/4/(E I) + (3 pi/4 - 2)/(G J)), Castigliano
+    chord = arm
+    radius, rise = chord / math.sqrt(2), chord * (math.sqrt(2) - 1) / 2
+    text = SLOW.replace("SPEED=0.001", "SPEED=5.0") + " &MASSES MLINK=1, MLOOP=1, MASS=%g, MDIST=0.2 &END\n" % mass
+    run(place, "quarter", text + (ARM % (0.012, 0.006, ", NXMODE=1, XRISE=0.0,%.15g" % rise)).replace("XRHO=7850.0", "XRHO=1E-3")
+        .replace("NXELEM=12", "NXELEM=40"))
+    give = radius ** 3 * (math.pi / 4 / (E * second) + (3 * math.pi / 4 - 2) / (G * torsion))
+    near("a mass on a quarter of a circle", out_of_plane(place, "quarter")[1][0]["frequency"], math.sqrt(1 / (give * mass)), 1e-3)
     # tapered arm, clamped: Ritz
     run(place, "taper", SLOW + ARM % (0.012, 0.006, ", YDEPTH=0.012,0.006, YWIDTH=0.006,0.002"))
     for found, value in zip(out_of_plane(place, "taper")[1], cantilever(0.2, lambda s: (0.012 - 0.006 * s, 0.006 - 0.004 * s))[:3]):
