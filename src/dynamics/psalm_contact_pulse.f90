@@ -12,6 +12,8 @@ module psalm_contact_pulse
 
    integer, parameter :: within = 32             !! places in a step of the integration
    integer, parameter :: halvings = 48           !! of a place
+   real(wp), parameter :: small_angle = 0.5_wp   !! rad, below which a series has no differences
+   integer, parameter :: sine_terms = 16         !! its last power: the next is below 1E-18 of the first
    integer, parameter :: parts = 256             !! of a pulse where its shape is taken
 
    type :: contact_pulse_t
@@ -38,7 +40,9 @@ contains
       type(contact_pulse_t), intent(out) :: pulse
       type(pulse_shape_t), intent(out) :: shape
       real(wp) :: time(within*size(steps) + 1), force(within*size(steps) + 1), rate(within*size(steps) + 1)
+      real(wp), allocatable :: known(:)
       real(wp) :: base, ends(2)
+      integer, allocatable :: order(:)
       integer :: k, n, s, turns(3), found
 
       n = size(time)
@@ -77,8 +81,10 @@ contains
       ! equal steps, and the places above, which lie close where the force changes fast
       shape%time = [(ends(1) + (ends(2) - ends(1))*real(k, wp)/real(parts, wp), k=0, parts), &
                     pack(time, time > ends(1) .and. time < ends(2))]
-      shape%time = shape%time(ascending(shape%time))
-      shape%above = [(max(0.0_wp, force_at(shape%time(k)) - base), k=1, size(shape%time))]
+      known = [(force_at(shape%time(k)), k=1, parts + 1), pack(force, time > ends(1) .and. time < ends(2))]
+      order = ascending(shape%time)
+      shape%time = shape%time(order)
+      shape%above = max(0.0_wp, known(order) - base)
       do k = 1, size(shape%time) - 1
          pulse%impulse = pulse%impulse + 0.5_wp*(shape%time(k + 1) - shape%time(k))*(shape%above(k) + shape%above(k + 1))
       end do
@@ -183,25 +189,46 @@ contains
    pure real(wp) function shock_of(shape, frequency) result(greatest)
       type(pulse_shape_t), intent(in) :: shape   !! of a pulse that is known
       real(wp), intent(in) :: frequency          !! rad per unit of T
-      real(wp) :: x, v, h, slope, c, s, start(2)
+      real(wp) :: x, v, before, turned, growth, half, c, s, late
       integer :: k
 
+      ! the deflection over that by a force of 1 at rest, and its rate over the frequency
       x = 0.0_wp
       v = 0.0_wp
       greatest = 0.0_wp
       do k = 1, size(shape%time) - 1
-         h = shape%time(k + 1) - shape%time(k)
-         if (.not. h > 0.0_wp) cycle
-         slope = (shape%above(k + 1) - shape%above(k))/h
-         ! x is the force plus a free motion
-         start = [x - shape%above(k), (v - slope)/frequency]
-         c = cos(frequency*h)
-         s = sin(frequency*h)
-         x = shape%above(k + 1) + start(1)*c + start(2)*s
-         v = slope + frequency*(start(2)*c - start(1)*s)
+         turned = frequency*(shape%time(k + 1) - shape%time(k))
+         if (.not. turned > 0.0_wp) cycle
+         growth = shape%above(k + 1) - shape%above(k)
+         c = cos(turned)
+         s = sin(turned)
+         half = sin(0.5_wp*turned)
+         late = sine_below(turned)
+         before = x
+         ! free motion, the force as it was, and its growth; without differences, which are lost at a low frequency
+         x = before*c + v*s + 2.0_wp*half**2*shape%above(k) + late*growth
+         v = v*c - before*s + s*shape%above(k) + (half/(0.5_wp*turned))*half*growth
          greatest = max(greatest, abs(x))
       end do
-      greatest = max(greatest, sqrt(x**2 + (v/frequency)**2))
+      greatest = max(greatest, sqrt(x**2 + v**2))
       if (maxval(shape%above) > 0.0_wp) greatest = greatest/maxval(shape%above)
    end function shock_of
+
+   !> 1 - sin(a)/a, by its series where a is small.
+   elemental real(wp) function sine_below(a)
+      real(wp), intent(in) :: a                  !! radians, not 0
+      real(wp) :: term
+      integer :: n
+
+      if (abs(a) > small_angle) then
+         sine_below = 1.0_wp - sin(a)/a
+         return
+      end if
+      term = a**2/6.0_wp
+      sine_below = term
+      do n = 4, sine_terms, 2
+         term = -term*a**2/real(n*(n + 1), wp)
+         sine_below = sine_below + term
+      end do
+   end function sine_below
 end module psalm_contact_pulse

@@ -14,9 +14,10 @@ module psalm_crank_motion
    use psalm_rates, only: rates_t
    implicit none (type, external)
    private
-   public :: crank_motion_t, constant_motion, varying_motion, positive_between, move_in_turn
+   public :: crank_motion_t, constant_motion, varying_motion, positive_between, can_be_followed, move_in_turn
 
-   integer, parameter :: fewest_samples = 1024   !! of the slowness over a turn
+   integer, parameter :: fewest_samples = 1024, most_samples = 4096 !! of the slowness over a turn
+   real(wp), parameter :: followed = 1.0e-8_wp   !! resolution of the slowness with which the time is known
    integer, parameter :: per_value = 2           !! samples for each speed that is given, at least
    integer, parameter :: most_iterations = 60    !! of Newton's method
    real(wp), parameter :: rounding = 4.0_wp*epsilon(1.0_wp) !! what does not count of angles and of speeds over their mean
@@ -46,6 +47,7 @@ module psalm_crank_motion
       procedure :: time_of
       procedure :: speed_at
       procedure :: push_at
+      procedure :: left_open
    end type crank_motion_t
 
 contains
@@ -73,9 +75,7 @@ contains
       integer :: n, k
 
       speed = periodic_from_samples(values)
-      n = max(fewest_samples, per_value*size(values))
-      samples = speed%values(n)
-      slowness = periodic_from_samples(1.0_wp/samples)
+      call find_slowness(speed, size(values), slowness, n)
       crank%varies = .true.
       crank%speed = mean
       crank%sense = sense
@@ -101,6 +101,31 @@ contains
       crank%ahead = periodic_from_samples(angles)
       crank%ahead = crank%ahead%trimmed(rounding)
    end function varying_motion
+
+   !> 1 over the speed, of enough samples; if there are not enough, of `most_samples`.
+   pure subroutine find_slowness(speed, values, slowness, samples)
+      type(periodic_t), intent(in) :: speed      !! positive
+      integer, intent(in) :: values              !! it was made of
+      type(periodic_t), intent(out) :: slowness
+      integer, intent(out) :: samples
+
+      samples = max(fewest_samples, per_value*values)
+      do
+         slowness = periodic_from_samples(1.0_wp/speed%values(samples))
+         if (slowness%resolution() <= followed .or. 2*samples > most_samples) exit
+         samples = 2*samples
+      end do
+   end subroutine find_slowness
+
+   !> True if the time over the turn is known from speeds (`positive_between`): not where they differ by too large a factor.
+   pure logical function can_be_followed(values)
+      real(wp), intent(in) :: values(:)          !! shape (steps of a turn)
+      type(periodic_t) :: slowness
+      integer :: unused
+
+      call find_slowness(periodic_from_samples(values), size(values), slowness, unused)
+      can_be_followed = slowness%resolution() <= followed
+   end function can_be_followed
 
    !> Greatest of samples of a period, by the parabola through the largest and its neighbours.
    pure real(wp) function greatest_of(samples) result(greatest)
@@ -203,6 +228,20 @@ contains
       push_at = 0.0_wp
       if (self%varies) push_at = self%pace%at(angle)*self%slope%at(angle)
    end function push_at
+
+   !> What positions at equal steps of time leave open of the speed (`resolution` of a series); 0 of a constant one.
+   pure real(wp) function left_open(self, points)
+      class(crank_motion_t), intent(in) :: self
+      integer, intent(in) :: points
+      type(crank_motion_t) :: turn
+      type(periodic_t) :: pace
+
+      left_open = 0.0_wp
+      if (.not. self%varies) return
+      turn = self%at_steps(points)
+      pace = periodic_from_samples(turn%rate)
+      left_open = pace%resolution()
+   end function left_open
 
    !> `move_bodies` at the `n` positions after the first `offset` of a turn, `pace` times as fast as at a mean of 1 rad/s.
    subroutine move_in_turn(crank, problem, rates, offset, n, pace, forces)

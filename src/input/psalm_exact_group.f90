@@ -17,6 +17,7 @@ module psalm_exact_group
    integer, parameter :: kind_path = 1, kind_motion = 2, kind_function = 3
    character(*), parameter :: exact_kinds(3) = [character(8) :: 'PATH', 'MOTION', 'FUNCTION']
    !> Items that only KIND='FUNCTION' has.
+   character(*), parameter :: for_functions = "is for linkages that generate a function: KIND='FUNCTION'"
    character(*), parameter :: of_functions(*) = [character(6) :: 'FUNC', 'FXLOW', 'FXHIGH', 'FPOWER', 'DPHI', 'DPSI', 'PSI', &
                                                  'PHI0', 'PSI0', 'SLOPE', 'CURV', 'SIXBAR', 'NPOINT', 'CRANK', 'OUTPIN', &
                                                  'ARMLEN', 'START']
@@ -230,9 +231,12 @@ contains
       exact%closed = code == 1
       call read_arm(group, exact, findings)
       call take(group, 'MINIMAX', exact%minimax, findings)
+      if (exact%minimax .and. exact%kind /= kind_function) call out_of(group, 'MINIMAX', for_functions, findings)
       call read_function(group, exact, findings)
       call take(group, 'CERTIFY', exact%certify, findings)
       call take(group, 'NSUB', exact%subsets, findings)
+      if (group%given('NSUB') .and. size(exact%x) <= most_exact_points) call findings%warning( &
+         'has no effect: it is for more than 9 points of a path', line=group%line, group=trim(group%name), item='NSUB')
       call take(group, 'NBEST', exact%listed, findings)
       call take(group, 'MAXTIME', exact%longest_time, findings)
    end subroutine read_exact_group
@@ -375,8 +379,7 @@ contains
       if (.not. exact%given) return
       if (exact%kind /= kind_function) then
          do i = 1, size(of_functions)
-            if (group%given(trim(of_functions(i)))) call out_of(group, trim(of_functions(i)), &
-               "is for linkages that generate a function: KIND='FUNCTION'", findings)
+            if (group%given(trim(of_functions(i)))) call out_of(group, trim(of_functions(i)), for_functions, findings)
          end do
          return
       end if

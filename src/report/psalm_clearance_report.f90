@@ -2,7 +2,7 @@
 module psalm_clearance_report
    use psalm_clearance_group, only: clearance_group_t, clearance_of, losses_any
    use psalm_clearance_study, only: clearance_study_t, flypast_of_joint_t, verdict_kept, verdict_lost
-   use psalm_crank_list, only: list_crank, put_crank_speed, no_cycle
+   use psalm_crank_list, only: list_crank, put_crank_speed, remark_crank, no_cycle
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_flypast_chart, only: chart_t, pulse_numbers
@@ -39,6 +39,7 @@ contains
       named = set%has_names()
       call list_crank(named, study%crank, devices%six)
       call put_crank_speed(study%crank, devices%cases(devices%last_case()))
+      call remark_crank(set, study%crank, 'NCPNT', clearance%points, devices)
       call list_minima(mechanism, named, study, devices%six)
       call list_following(named, study, devices%six)
       call list_speeds(named, study, devices%six)

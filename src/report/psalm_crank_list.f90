@@ -1,14 +1,17 @@
 !> A crank whose speed varies over the turn, in the listing and as a table.
 module psalm_crank_list
    use psalm_crank_motion, only: crank_motion_t
+   use psalm_data_set, only: data_set_t
+   use psalm_devices, only: devices_t
    use psalm_kinds, only: wp, pi
    use psalm_number_format, only: error_words, in_sentence
    use psalm_tables, only: table_t, tables_t, table_of
-   use psalm_text, only: text_t
+   use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
-   public :: list_crank, put_crank_speed, no_cycle
+   public :: list_crank, put_crank_speed, remark_crank, no_cycle
 
+   real(wp), parameter :: enough = 1.0e-8_wp     !! what positions may leave open of the speed
    integer, parameter :: steps = 360             !! of a turn in the table
    character(*), parameter :: no_cycle = 'the machine of &MOTOR has no steady cycle; kalm lists how it runs'
 
@@ -30,6 +33,19 @@ contains
       if (crank%by_motor) call text%add(' ERROR OF THE SPEED OVER THE MEAN'//error_words(named, crank%speed_error)// &
                                         ', OF ITS ACCELERATION OVER THE GREATEST'//error_words(named, crank%acceleration_error))
    end subroutine list_crank
+
+   !> A remark where the positions of a study are too few for the speed of the crank.
+   subroutine remark_crank(set, crank, item, points, devices)
+      type(data_set_t), intent(in) :: set
+      type(crank_motion_t), intent(in) :: crank
+      character(*), intent(in) :: item           !! that gives the positions
+      integer, intent(in) :: points
+      type(devices_t), intent(inout) :: devices
+
+      if (crank%left_open(points) <= enough) return
+      call devices%remark(set, to_text(points)//' positions do not show how the speed of the crank varies; give '//item// &
+                          ' twice that')
+   end subroutine remark_crank
 
    !> Table crank_speed, of a speed that varies.
    pure subroutine put_crank_speed(crank, tables)

@@ -26,9 +26,11 @@ contains
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
       character(name_length) :: names(size(studies)), words(size(studies))
+      logical :: followed(size(studies))
       integer :: k, j
 
       do k = 1, size(studies)
+         followed(k) = studies(k)%solved_modes > 0 .and. .not. studies(k)%coupled%grows_too_much
          names(k) = flexible_name(set, studies(k))
          words(k) = ''
          if (studies(k)%solved) words(k) = lower_case(coupled_words(studies(k)%coupled))
@@ -40,9 +42,9 @@ contains
          call table%add('elements', [(size(studies(k)%link%frame%elements), k=1, size(studies))])
          call table%add('verdict', words)
          call table%add('steady', studies%steady)
-         call table%add('multiplier', [(largest(studies(k)), k=1, size(studies))], known=studies%solved_modes > 0)
+         call table%add('multiplier', [(largest(studies(k)), k=1, size(studies))], known=followed)
          call table%add('modes_solved', studies%solved_modes, known=solved)
-         call table%add('matrix_error', [(studies(k)%coupled%error, k=1, size(studies))], known=studies%solved_modes > 0)
+         call table%add('matrix_error', [(studies(k)%coupled%error, k=1, size(studies))], known=followed)
          call table%add('least_stiffness', studies%least_stiffness, known=solved)
          call table%add('least_stiffness_at', studies%least_at, 'deg', solved)
          call table%add('driven_from', [(studies(k)%driven(1), k=1, size(studies))], 'rad/s', solved)
@@ -95,20 +97,21 @@ contains
       type(table_t) :: table
       character(name_length) :: names(together%modes), words(1)
       integer :: n
-      logical :: unique(1)
+      logical :: unique(1), followed
 
       unique = together%coupled%unique
+      followed = together%possible .and. .not. together%coupled%grows_too_much
       words = 'not solved'
       if (together%possible) words = lower_case(coupled_words(together%coupled))
       table = table_of('drive_links', 'one row: drive and links together', audience=for_programs)
       call table%add('verdict', words)
       call table%add('modes', [together%modes])
       call table%add('stable', [together%coupled%stable])
-      call table%add('matrix_error', [together%coupled%error], known=[together%possible])
+      call table%add('matrix_error', [together%coupled%error], known=[followed])
       call table%add('greatest_swing', [together%greatest], 'rad', unique)
       call table%add('greatest_swing_of_rigid_links', [rigid], 'rad')
       call tables%put(table)
-      if (.not. together%possible) return
+      if (.not. followed) return
       table = table_of('drive_link_multipliers', 'a row for each multiplier of drive and links together', audience=for_programs)
       call table%add('re', real(together%coupled%multipliers, wp))
       call table%add('im', aimag(together%coupled%multipliers))
@@ -182,6 +185,7 @@ contains
             followed(k) = out%solved_modes > 0
             if (.not. followed(k)) cycle
             words(k) = lower_case(coupled_words(out%coupled))
+            followed(k) = .not. out%coupled%grows_too_much
             multipliers(k) = abs(out%coupled%multipliers(1))
          end associate
       end do

@@ -1,6 +1,6 @@
 !> Results of ssics become texts of the devices, remarks for standard error and the exit status. Nothing is computed here.
 module psalm_steady_report
-   use psalm_crank_list, only: list_crank, put_crank_speed, no_cycle
+   use psalm_crank_list, only: list_crank, put_crank_speed, remark_crank, no_cycle
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_drive_group, only: hill_group_t, hill_of, drive_group_t, drive_of
@@ -69,6 +69,7 @@ contains
                                                                          'it bends by more than 0.025 of its length', &
                                                                          study%estimates(k)%buckles)))
          end do
+         call remark_crank(set, study%crank, 'NEPNT', estimates%points, devices)
          call list_estimates(set, study%estimates, devices%six)
          call put_estimates(set, study%estimates, devices%cases(devices%last_case()))
       end if
@@ -103,6 +104,7 @@ contains
       end if
       if (allocated(study%drive)) then
          if (stuck(set, mechanism, study%drive%turn, devices)) return
+         call remark_crank(set, study%crank, 'NDPNT', drive%points, devices)
          call list_drive(set, study%drive, devices%six)
          call put_drive(study%drive, devices%cases(devices%last_case()))
          if (study%drive%found) then

@@ -356,6 +356,9 @@ contains
       if (grows_too_much) then
          words = 'UNSTABLE: IT GROWS TOO MUCH IN A TURN TO BE FOLLOWED'
          return
+      else if (.not. unique .and. converged .and. .not. (stable .or. neutral)) then
+         ! a multiplier is 1, or its difference from 1 is lost beside the largest
+         words = 'UNSTABLE, AND THE PERIODIC SOLUTION IS NOT KNOWN'
       else if (.not. unique) then
          words = 'NO UNIQUE PERIODIC SOLUTION: A MULTIPLIER IS 1'
       else if (stable) then

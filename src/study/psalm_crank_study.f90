@@ -1,7 +1,7 @@
 !> The motion of the crank that a steady state is found for: constant speed, or one that varies over the turn, by the group CYCLE or
 !> as the steady cycle of the machine of the group MOTOR. Source: Haines, 2I.
 module psalm_crank_study
-   use psalm_crank_motion, only: crank_motion_t, constant_motion, varying_motion, positive_between
+   use psalm_crank_motion, only: crank_motion_t, constant_motion, varying_motion, positive_between, can_be_followed
    use psalm_cycle_group, only: cycle_group_t, cycle_of
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
@@ -29,8 +29,13 @@ contains
       if (.not. set%gives('CYCLE')) return
       given = cycle_of(set)
       if (size(given%speed) > 0) then
-         if (.not. positive_between(given%speed)) call set%origins%error(findings, 'CYCLE', 'CYCW', 'the smooth curve through '// &
-            'these speeds is not above 0 everywhere: give more of them where they change fast')
+         if (.not. positive_between(given%speed)) then
+            call set%origins%error(findings, 'CYCLE', 'CYCW', 'the smooth curve through these speeds is not above 0 '// &
+                                   'everywhere: give more of them where they change fast')
+         else if (.not. can_be_followed(given%speed)) then
+            call set%origins%error(findings, 'CYCLE', 'CYCW', 'the crank nearly stands still: the speeds differ by too large '// &
+                                   'a factor')
+         end if
       else if (.not. set%gives('MOTOR')) then
          call set%origins%error(findings, 'CYCLE', '', 'says nothing of the speed: give CYCW, or &MOTOR, whose steady cycle is '// &
                                 'taken')

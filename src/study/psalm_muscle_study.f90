@@ -24,7 +24,7 @@ module psalm_muscle_study
 
 contains
 
-   !> Errors: nothing asked for, groups that do not fit the linkage.
+   !> Errors: nothing asked for, groups that do not fit the linkage. A warning of a group that has no effect.
    subroutine check_muscle(set, prepared, findings)
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
@@ -39,6 +39,9 @@ contains
       end if
       if (set%gives('BALANC') .and. set%gives('CLEAR')) then
          call check_clearance(set, clearance_of(set), prepared, findings)
+      else if (set%gives('CYCLE')) then
+         call set%origins%warning(findings, 'CYCLE', '', 'has no effect: weights and springs are found at constant speed; a '// &
+                                  'speed that varies is for a joint with clearance, &CLEAR with &BALANC')
       end if
       if (set%gives('BALANC')) call assess_balance(set, prepared%mechanism, prepared%given, findings)
       if (set%gives('SPRNGS')) call assess_springs(set, prepared%mechanism, prepared%given, findings)

@@ -196,9 +196,9 @@ contains
       real(wp), dimension(size(shapes, 2), size(shapes, 2)) :: by_modes
       real(wp), dimension(size(shapes, 2), size(shapes, 2), size(prestress%motion, 2)) :: stiffness
       complex(wp) :: matrix(size(shapes, 2), size(shapes, 2))
-      real(wp) :: values(size(shapes, 2)), least(size(prestress%motion, 2)), speed
+      real(wp) :: values(size(shapes, 2)), least(size(prestress%motion, 2)), first(size(least)), speed
       integer, allocatable :: places(:)
-      integer :: n, i, j, modes
+      integer :: n, i, j, modes, other
       logical :: ok
 
       speed = cycle_of%turn%crank%speed
@@ -210,6 +210,7 @@ contains
          loads = prestressed(frame, prestress%pull(:, :, n), prestress%moment(:, :, n), shapes)
          call add_attached(set, link, cycle_of, prestress%motion(:, n), n, shapes, loads)
          by_modes = product_of(transpose(shapes), loads)
+         first(n) = minval([(by_modes(i, i)/out%frequency(i)**2, i=1, modes)])
          do j = 1, modes
             given_way(places, j) = solve(factors, loads(places, j))
          end do
@@ -226,8 +227,16 @@ contains
          call hermitian_eigenvalues(matrix, values, ok)
          least(n) = values(1)
       end do
+      out%solved = all(abs(stiffness) <= huge(1.0_wp))
+      if (.not. out%solved) return
+      ! statics takes too much off where forces are far beyond the modes' stiffness, pulls too: look where the link is pressed most
       n = minloc(least, dim=1)
+      other = minloc(first, dim=1)
       call find_least(set, link, cycle_of, prestress, frame, places, n, out%frequency(1)**2, least(n))
+      if (other /= n) then
+         call find_least(set, link, cycle_of, prestress, frame, places, other, out%frequency(1)**2, least(other))
+         if (least(other) < least(n)) n = other
+      end if
       out%least_stiffness = least(n)/out%frequency(1)**2
       out%least_at = cycle_of%turn%crank%input(n)
       out%solved_modes = count(out%frequency <= far_above*speed)

@@ -22,6 +22,7 @@ from scipy.optimize import brentq
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "tools"))
+from data_sets import data
 from tally import check, report
 from beam_elements import FOUR_BAR, SKETCH, joints, near, run, table
 
@@ -425,6 +426,30 @@ def multipliers(place):
     check("one of them grows", grows > 0)
 
 
+def thin(place):
+    """Strips far beyond Euler's load: pressed for a part of the turn they buckle, however hard they are pulled for the rest."""
+    text = data("ssics/flat_bar")
+    number = "XGYRO=7.217E-4"
+    check("the data set has it", number in text)
+    run(place, "strip", text)
+    least = out_of_plane(place, "strip")[0]["least_stiffness"]
+    places = []
+    for radius in (7.217e-5, 1e-6):
+        status, words, said = run(place, "strip", text.replace(number, "XGYRO=%g" % radius))
+        row = out_of_plane(place, "strip")[0]
+        places.append(row["least_stiffness_at"])
+        # under a pull N over Euler's load the square of mode j is j**4 + j**2 N: 1 + N or less, -N**2/4 or more
+        pull = (least - 1) * (7.217e-4 / radius) ** 2
+        check("it buckles: %g" % radius, status == 1 and -1.02 * pull ** 2 / 4 < row["least_stiffness"] < 1 + 0.98 * pull, (row, pull))
+        check("it is unstable: %g" % radius, "the link coupler, out of the plane: unstable" in said and "a multiplier is 1" not in said, said)
+    check("where it is pressed most", abs(places[0] - places[1]) < 3.0, places)
+    status, words, said = run(place, "growing", text.replace(number, "XGYRO=1E-7"))
+    row = out_of_plane(place, "growing")[0]
+    check("no multiplier of what grows too much", "grows too much" in said and row["multiplier"] == "", row)
+    status, words, said = run(place, "soft", text.replace("XTORS=1.02E-10", "XTORS=1E-300"))
+    check("no number that is none", status == 1 and "natural modes could not be found" in said and "NaN" not in words, said)
+
+
 def refusals(place):
     good = SLOW + " &FLEX XLINK=-2, XLOOP=1, YLINK=2, YLOOP=1, XMOD=207E9, XRHO=7850.0, %s &END\n"
     for items, words in (
@@ -445,6 +470,7 @@ def main():
         buckling(place)
         corner(place)
         multipliers(place)
+        thin(place)
         refusals(place)
     return report()
 

@@ -245,6 +245,9 @@ def pulses(place):
                          max_step=found[3]*unit/40, t_eval=numpy.linspace(time[numpy.argmax(above > 0)]*unit, end, 20001))
         peak = max(max(abs(done.y[0])), numpy.hypot(done.y[0][-1], done.y[1][-1]/frequency))
         check(abs(row[9]/peak - 1) < 2e-4, "what it does to elastic links", str((row[9], peak)))
+    # an impulse of links that are slow: 1e-13 of the height, without rounding
+    slow = run(data(FOUR_BAR, ("CREST=0.5", "CFREQ=1E-10")), place)[3]["pulse"]
+    check(len(slow) == 2 and all(abs(row[9]*row[3]/(1e-10*row[7]) - 1) < 1e-5 for row in slow), "what it does to slow links", str(slow))
     check(columns.get("chart_pulse") == "h3 h2 h1 t_peak force height width growth decay impulse", "columns of the chart", columns.get("chart_pulse"))
     rows = [r for r in blocks["chart_pulse"] if r[1] in (-180.0, 0.0, 90.0)]
     for r in rows:

@@ -341,13 +341,40 @@ def mistakes(place):
     clear = " &CLEAR CLINK=2, CLOOP=1, CDIAM=0.0002 &END\n"
     for law_of, group, words in (("two speeds", "&CYCLE CYCW=1.0,2.0 &END", "at least 3 speeds"), ("no speed", "&CYCLE &END", "says nothing of the speed"),
                                  ("a speed below 0", "&CYCLE CYCW=1.0,-2.0,1.0 &END", "must be above 0"),
+                                 ("a crank that nearly stands still", "&CYCLE CYCW=1.0,1E6,1.0,1E6 &END", "differ by too large a factor"),
                                  ("a curve below 0", "&CYCLE CYCW=1.0,0.01,0.01,1.0,9.0 &END", "not above 0 everywhere")):
         code, _, error = run(place, "bridge", LINKS + rates + MASSES + " " + group + "\n" + clear)
         check(law_of, code == 2 and words in error, error)
     code, _, error = run(place, "bridge", LINKS + rates.replace("30.0", "-30.0") + MASSES + " &MOTOR FLYWHL=0.1 &END\n &CYCLE &END\n" + clear)
     check("a machine backwards", code == 2 and "turns forwards" in error, error)
+    code, _, error = run(place, "muscle", data("muscle/out_of_plane") + cycle())
+    check("muscle without a joint with clearance", code == 0 and "&CYCLE: has no effect" in error, error)
+    check("and with it", "no effect" not in run(place, "muscle", data("muscle/haines_contact") + cycle())[2])
     code, _, error = run(place, "ssics", LINKS + rates + " &CYCLE CYCW=1.0,2.0,1.0 &END\n &DRIVEL DSTIF=100.0, DEXTRA=0.01, DRIPPL=0.4 &END\n")
     check("a ripple of half a turn", code == 2 and "half a turn" in error, error)
+
+
+def few_positions(place):
+    """Positions that do not show how the speed varies are remarked, also by studies without coefficients; enough of them are not."""
+    fast = " &CYCLE CYCW=1.0,1000.0,1.0,1000.0 &END\n"
+    rates = " &RATES SPEED=30.0 &END\n"
+    estimate = " &ESTIM ELINK=2, ELOOP=1, EMOD=207E9, ERHO=7850.0, EDEPTH=0.02, EWIDTH=0.02 &END\n"
+    for program, group, item, masses in (("bridge", " &CLEAR CLINK=2, CLOOP=1, CDIAM=0.0002 &END\n", "NCPNT", MASSES), ("ssics", estimate, "NEPNT", ROCKER),
+                                         ("ssics", DRIVE, "NDPNT", MASSES)):
+        words = "do not show how the speed of the crank varies; give %s twice that" % item
+        check("few positions for " + item, words in run(place, program, LINKS + rates + masses + fast + group)[2])
+        check("enough for " + item, "how the speed" not in run(place, program, LINKS + rates + masses + cycle() + group)[2])
+
+
+def mean_of_machine(place):
+    """Frequencies of beam elements are listed over the mean of the machine's cycle, in the plane and out of it, not over SPEED."""
+    text = data("ssics/flat_bar") + " &MOTOR MTORQ=20.0, MSPEED=50.0, FLYWHL=0.01 &END\n &CYCLE &END\n"
+    code, listing, error = run(place, "ssics", text, "mean")
+    check("beam elements with a machine run", code == 0, error)
+    mean = float(listing.split("MEAN OVER TIME")[1].split(",")[0])
+    rows = [line.split() for line in listing.splitlines() if line.startswith("     1  ")]
+    check("a first frequency in and out of the plane of both links", len(rows) == 4, rows)
+    check("over the mean speed", abs(mean - 90.0) > 20.0 and all(abs(float(r[1]) / float(r[2]) / mean - 1) < 1e-3 for r in rows), (mean, rows))
 
 
 def sketch_and_loops(place):
@@ -371,6 +398,8 @@ def main():
         vibration(place)
         drive(place)
         mistakes(place)
+        few_positions(place)
+        mean_of_machine(place)
         sketch_and_loops(place)
     return report()
 

@@ -238,9 +238,12 @@ def of_mistakes(programs, folder):
             ("PATH", ", TANP=3.0,4.0,5.0,6.0, CURVP=1.0,2.0,3.0", "no linkage meets more than nine: give fewer"),
             ("MOTION", ", ANGP=0.0,10.0,40.0,90.0, TANP=30.0", "is for points of a path: KIND='PATH'"),
             ("PATH", ", ANGP=0.0,10.0, TIMP=0.0,,20.0, TANP=30.0", "with orientations (ANGP) or with crank angles (TIMP), not with both"),
+            ("PATH", ", TANP=30.0, MINIMAX=1" + pivots, "MINIMAX: is for linkages that generate a function"),
             ("FUNCTION", ", TANP=30.0", "is for points of a path: KIND='PATH'")):
         status, _, remarks = run(programs, "MISTAKE\n" + form % (kind, words), folder)
         holds(status == 2 and needed in " ".join(remarks.split()), "%s: status %d, %s" % (words, status, remarks.strip()[:250]))
+    status, _, remarks = run(programs, "SUBSETS\n" + form % ("PATH", ", TANP=30.0, NSUB=5" + pivots), folder)
+    holds("NSUB: has no effect: it is for more than 9 points" in remarks, "NSUB is not ignored: %s" % remarks[:150])
     # tangents and curvatures of one circle, at three of its points, and of one line
     for points in ([cmath.exp(1j * t) for t in (0.3, 1.4, 4.0)],):
         text = "CIRCLE\n &EXACT KIND='PATH'%s%s%s%s &END\n" % (
