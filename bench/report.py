@@ -3,6 +3,7 @@
 import math
 import os
 import re
+import subprocess
 import sys
 
 measured, doc = sys.argv[1], sys.argv[2]
@@ -44,12 +45,17 @@ methods = list(dict.fromkeys((r[0], r[1]) for r in raw))
 methods.sort(key=lambda m: (m[1] != "positions", m[0] != "real64"))
 
 
+def commit():
+    done = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, cwd=os.path.dirname(os.path.abspath(__file__)))
+    return done.stdout.strip() or "not known"
+
+
 def label(method):
     return "psalm, " + method[0] if method[1] == "positions" else method[1]
 
 
 lines = ["# Speed against error", "",
-         "Written by `bench/run` on: " + machine() + ", one thread. Times are the best of several in one run; compare ratios only. The yardstick is `bench/yardstick/limit.c`, \"program ... div\": a dyad list as data in C intrinsics.", "",
+         "Written by `bench/run` on: " + machine() + ", one thread, commit " + commit() + ". Times are the best of several in one run; compare ratios only. The yardstick is `bench/yardstick/limit.c`, \"program ... div\": a dyad list as data in C intrinsics.", "",
          "![time against error](benchmark.svg)", "", "## In short", ""]
 big = 10000
 ratio = {n: time[("real64", "positions", needle, n)] / limit[m] for n, m in ((180, 180), (10000, 1000000), (1000000, 1000000))}
