@@ -16,7 +16,7 @@ module psalm_crank_motion
    private
    public :: crank_motion_t, constant_motion, varying_motion, positive_between, can_be_followed, move_in_turn
 
-   integer, parameter :: fewest_samples = 1024, most_samples = 4096 !! of the slowness over a turn
+   integer, parameter :: fewest_samples = 1024, most_samples = 8192 !! of the slowness over a turn
    real(wp), parameter :: followed = 1.0e-8_wp   !! resolution of the slowness with which the time is known
    integer, parameter :: per_value = 2           !! samples for each speed that is given, at least
    integer, parameter :: most_iterations = 60    !! of Newton's method
@@ -117,7 +117,8 @@ contains
       end do
    end subroutine find_slowness
 
-   !> True if the time over the turn is known from speeds (`positive_between`): not where they differ by too large a factor.
+   !> True if the time over the turn is known from speeds (`positive_between`): not where they differ by too large a factor, or
+   !> change too fast.
    pure logical function can_be_followed(values)
       real(wp), intent(in) :: values(:)          !! shape (steps of a turn)
       type(periodic_t) :: slowness

@@ -33,8 +33,8 @@ contains
             call set%origins%error(findings, 'CYCLE', 'CYCW', 'the smooth curve through these speeds is not above 0 '// &
                                    'everywhere: give more of them where they change fast')
          else if (.not. can_be_followed(given%speed)) then
-            call set%origins%error(findings, 'CYCLE', 'CYCW', 'the crank nearly stands still: the speeds differ by too large '// &
-                                   'a factor')
+            call set%origins%error(findings, 'CYCLE', 'CYCW', 'the speeds differ by too large a factor, or change too fast: '// &
+                                   'the time over the turn cannot be found from them')
          end if
       else if (.not. set%gives('MOTOR')) then
          call set%origins%error(findings, 'CYCLE', '', 'says nothing of the speed: give CYCW, or &MOTOR, whose steady cycle is '// &

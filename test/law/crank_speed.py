@@ -358,6 +358,13 @@ def few_positions(place):
     """Positions that do not show how the speed varies are remarked, also by studies without coefficients; enough of them are not."""
     fast = " &CYCLE CYCW=1.0,1000.0,1.0,1000.0 &END\n"
     rates = " &RATES SPEED=30.0 &END\n"
+    # steps of the speed: 720 values have 360 harmonics, their slowness many more
+    steps = " &CYCLE CYCW=360*1.0,360*1.5 &END\n"
+    error = run(place, "ssics", LINKS + rates + ROCKER + steps + DRIVE, "steps")[2]
+    check("steps of the speed are followed", "too large a factor" not in error and "NDPNT twice that" in error, error)
+    t = table(place, "ssics", "crank_speed", "steps")
+    half = numpy.interp(180.0, t["input"], t["time"])
+    check("half a turn at each speed", abs(half / (TURN / 30.0) - 0.6) < 1e-3, half)
     estimate = " &ESTIM ELINK=2, ELOOP=1, EMOD=207E9, ERHO=7850.0, EDEPTH=0.02, EWIDTH=0.02 &END\n"
     for program, group, item, masses in (("bridge", " &CLEAR CLINK=2, CLOOP=1, CDIAM=0.0002 &END\n", "NCPNT", MASSES), ("ssics", estimate, "NEPNT", ROCKER),
                                          ("ssics", DRIVE, "NDPNT", MASSES)):
