@@ -10,11 +10,11 @@ module psalm_contact_pulse
    private
    public :: contact_pulse_t, pulse_shape_t, find_pulse, shock_of
 
-   integer, parameter :: within = 32             !! places in a step of the integration
+   integer, parameter :: within = 16             !! places in a step of the integration; cubics between them
    integer, parameter :: halvings = 48           !! of a place
    real(wp), parameter :: small_angle = 0.5_wp   !! rad, below which a series has no differences
    integer, parameter :: sine_terms = 16         !! its last power: the next is below 1E-18 of the first
-   integer, parameter :: parts = 256             !! of a pulse where its shape is taken
+   integer, parameter :: parts = 1024            !! of a pulse where its shape is taken
 
    type :: contact_pulse_t
       logical :: known = .false.                 !! two minima were found
@@ -104,17 +104,24 @@ contains
          r = contact%rate(t, state)
       end subroutine look
 
-      subroutine look_at(t, f, r)
+      !> Force and rate by the cubic between two places that has both at its ends.
+      pure subroutine look_at(t, f, r)
          real(wp), intent(in) :: t
          real(wp), intent(out) :: f, r
-         real(wp) :: unused
-         integer :: step
+         real(wp) :: length, s, slope
+         integer :: step, k
 
          step = max(1, count(steps%time <= t))
-         call look(step, t - steps(step)%time, unused, f, r)
+         k = within*(step - 1) + 1 + max(0, min(within - 1, int(real(within, wp)*(t - steps(step)%time)/steps(step)%length)))
+         length = time(k + 1) - time(k)
+         s = (t - time(k))/length
+         slope = (force(k + 1) - force(k))/length
+         f = force(k) + length*s*(rate(k) + s*(3.0_wp*slope - 2.0_wp*rate(k) - rate(k + 1) &
+                                               + s*(rate(k) + rate(k + 1) - 2.0_wp*slope)))
+         r = rate(k) + s*(2.0_wp*(3.0_wp*slope - 2.0_wp*rate(k) - rate(k + 1)) + s*3.0_wp*(rate(k) + rate(k + 1) - 2.0_wp*slope))
       end subroutine look_at
 
-      real(wp) function force_at(t)
+      pure real(wp) function force_at(t)
          real(wp), intent(in) :: t
          real(wp) :: unused
 
@@ -122,7 +129,7 @@ contains
       end function force_at
 
       !> Where the rate is zero between a place and the next.
-      real(wp) function turning_in(k) result(middle)
+      pure real(wp) function turning_in(k) result(middle)
          integer, intent(in) :: k
          real(wp) :: low, high, f, r
          integer :: i
@@ -142,7 +149,7 @@ contains
       end function turning_in
 
       !> Where the force falls to a level on the way from its greatest to a minimum.
-      real(wp) function crossing(level, from, to) result(middle)
+      pure real(wp) function crossing(level, from, to) result(middle)
          real(wp), intent(in) :: level, from, to
          real(wp) :: high, low
          integer :: i
