@@ -1,5 +1,6 @@
 !> What charts of stability cost, and how far they agree with the integration of every point.
 module bench_dynamics
+   use psalm_crank_motion, only: constant_motion
    use psalm_data_set, only: data_set_t, read_data_sets
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, make_problem
@@ -53,7 +54,7 @@ contains
       call make_problem(sets(1), mechanism, dimensions, parameters, problem)
       call make_force_model(sets(1), mechanism, dimensions, model, findings)
       vibration = vibration_of(sets(1))
-      call find_link_cycle(problem, dimensions, model, vibration%beam, vibration%points, 1.0_wp, turn)
+      call find_link_cycle(problem, dimensions, model, vibration%beam, vibration%points, constant_motion(1.0_wp), turn)
       call cpu_time(began)
       error = 0.0_wp
       do i = 1, across

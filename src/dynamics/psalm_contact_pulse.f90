@@ -121,11 +121,11 @@ contains
          r = rate(k) + s*(2.0_wp*(3.0_wp*slope - 2.0_wp*rate(k) - rate(k + 1)) + s*3.0_wp*(rate(k) + rate(k + 1) - 2.0_wp*slope))
       end subroutine look_at
 
-      pure real(wp) function force_at(t)
+      pure real(wp) function force_at(t) result(f)
          real(wp), intent(in) :: t
          real(wp) :: unused
 
-         call look_at(t, force_at, unused)
+         call look_at(t, f, unused)
       end function force_at
 
       !> Where the rate is zero between a place and the next.

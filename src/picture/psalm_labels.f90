@@ -9,7 +9,8 @@ module psalm_labels
    private
    public :: place_labels
 
-   integer, parameter :: ways = 12                  !! directions that are tried
+   integer, parameter :: ways = 12                  !! directions that are tried, and as many between them where these are crowded
+   real(wp), parameter :: crowded = 8.0_wp          !! the best of them is worse
    integer, parameter :: rounds = 2                 !! distances that are tried
    integer, parameter :: most_dots = 400            !! traces of more points are not looked at
    real(wp), parameter :: too_crowded = 45.0_wp     !! a letter that would lie on others is left out
@@ -29,7 +30,7 @@ contains
       real(wp), intent(out) :: at(:, :)      !! shape (2, joints)
       real(wp) :: x(size(scene%joints)), y(size(scene%joints)), try(2), c, s, reach, score, best
       logical :: shown(size(scene%joints)), has_forces
-      integer :: j, w, round
+      integer :: j, w, round, between
 
       has_forces = allocated(scene%forces)
       if (has_forces) has_forces = scene%forces%prescribed%table%known(scene%reference)
@@ -40,18 +41,21 @@ contains
       do j = 1, size(scene%joints)
          if (.not. shown(j) .or. len(scene%joints(j)%name) == 0) cycle
          best = huge(best)
-         do w = 0, rounds*ways - 1
-            round = w/ways
-            call unit_vector(real(w, wp)*(360.0_wp/real(ways, wp)) + 60.0_wp, c, s)
-            reach = away + merge(room_symbol, 0.0_wp, scene%joints(j)%slides) + farther*real(round, wp)
-            try = [x(j) + reach*c, y(j) - reach*s]
-            ! a frame joint has its triangle below
-            score = merge(30.0_wp, 0.0_wp, scene%joints(j)%fixed .and. scene%joints(j)%turning .and. s < -0.7_wp)
-            score = score + crowd(j, try) + cost_of_round*real(round, wp)
-            if (score < best) then
-               best = score
-               at(:, j) = try
-            end if
+         do between = 0, 1
+            if (best <= crowded) exit
+            do w = 0, rounds*ways - 1
+               round = w/ways
+               call unit_vector((real(w, wp) + 0.5_wp*real(between, wp))*(360.0_wp/real(ways, wp)) + 60.0_wp, c, s)
+               reach = away + merge(room_symbol, 0.0_wp, scene%joints(j)%slides) + farther*real(round, wp)
+               try = [x(j) + reach*c, y(j) - reach*s]
+               ! a frame joint has its triangle below
+               score = merge(30.0_wp, 0.0_wp, scene%joints(j)%fixed .and. scene%joints(j)%turning .and. s < -0.7_wp)
+               score = score + crowd(j, try) + cost_of_round*real(round, wp)
+               if (score < best) then
+                  best = score
+                  at(:, j) = try
+               end if
+            end do
          end do
          if (best > too_crowded) at(:, j) = -huge(1.0_wp)
       end do
