@@ -625,7 +625,8 @@ contains
           .and. .not. (self%sliding_input .and. max(abs(dimensions%crnki), self%largest_input) >= longest)) return
       e = exponent(maxval(dimensions%arcl))
       if (self%sliding_input) e = max(e, exponent(dimensions%crnki), exponent(self%largest_input))
-      if (abs(e) > plain_exponent) self%scale = scale(1.0_wp, -e)
+      ! the scale and its inverse are numbers for the least lengths, too
+      if (abs(e) > plain_exponent) self%scale = scale(1.0_wp, -max(2 - maxexponent(1.0_wp), min(e, maxexponent(1.0_wp) - 2)))
    end subroutine choose_scale
 
    !> True if `choose_scale` scales no length of a linkage.

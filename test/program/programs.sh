@@ -848,6 +848,9 @@ said 'an output at rest' 'the output does not move'
 changed rhombus.nml 's/50.0,30.0,30.0,50.0/50.0,80.0,0.01,100.0/' 's/DELT=.*&END/DELT=0.0,0.001,0.002 \&END/' >tiny.nml
 "$psalm" tiny.nml >out 2>err
 said 'a link of no length' 'a link of practically no length (the longest arc is 100.0): length of arc 3 in loop 1 is 0.01'
+printf 'LEAST LENGTHS\n &LINKS NLOOP=1, MAXARC=4, ILINK=1,2,3,4, ILOOP=1,-3,-4,1, ARCL=5E-324, NOUTLK=3, NOUTLP=1 &END\n &METHOD IKIN=15 &END\n' >least.nml
+"$psalm" least.nml >out 2>err
+check 'the least length of all gives numbers' sh -c '! grep -qi "nan\|+309" out err least.dev9'
 changed tiny.nml 's/=50.0,80.0,0.01,/=0.05,100.0,80.0,/' >crank.nml
 "$psalm" crank.nml >out 2>err
 said 'a crank of no length' 'practically no length (the longest arc is 100.0): length of arc 1 in loop 1'
