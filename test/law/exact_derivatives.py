@@ -12,27 +12,15 @@ import cmath
 import math
 import os
 import random
-import subprocess
 import sys
 import tempfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
-from tally import check, report
+from exact_case import holds, run
+from tally import report
 
 SIXTH = ((1, 45.0 / 60.0), (2, -9.0 / 60.0), (3, 1.0 / 60.0))                         # first derivative
 SIXTH_2 = ((0, -490.0 / 180.0), (1, 270.0 / 180.0), (2, -27.0 / 180.0), (3, 2.0 / 180.0))
-
-
-def holds(good, what):
-    check(what, good)
-
-
-def run(programs, text, folder):
-    path = os.path.join(folder, "case.nml")
-    with open(path, "w") as out:
-        out.write(text)
-    done = subprocess.run([os.path.join(programs, "psalm"), path], capture_output=True, text=True, timeout=120, cwd=folder)
-    return done.returncode, done.stdout, done.stderr
 
 
 def four_bar(of, phi):

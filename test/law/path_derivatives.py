@@ -13,24 +13,12 @@ import cmath
 import math
 import os
 import random
-import subprocess
 import sys
 import tempfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
-from tally import check, report
-
-
-def holds(good, what):
-    check(what, good)
-
-
-def run(programs, text, folder):
-    path = os.path.join(folder, "case.nml")
-    with open(path, "w") as out:
-        out.write(text)
-    done = subprocess.run([os.path.join(programs, "psalm"), path], capture_output=True, text=True, timeout=120, cwd=folder)
-    return done.returncode, done.stdout, done.stderr
+from exact_case import holds, run
+from tally import report
 
 
 def dot(u, v):
