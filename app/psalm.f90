@@ -307,7 +307,7 @@ contains
       call report_analysis(set, problem, analysis, prepared%warnings, devices)
       if (set%has_names()) then
          searched = set%wants_search()
-         call study_sketch(set, problem, dimensions, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch, searched, places_do=.true.)
+         call study_sketch(set, problem, dimensions, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch, searched, places_only=.true.)
          if (set%limits%icond /= 0) call study_conditions(set, problem, dimensions, sketch, searched)
          call put_sketch(set%sketch, sketch, 0, devices%cases(devices%last_case()), problem=problem)
          call report_outputs(set, sketch, analysis%motion%beyond, 0, devices)

@@ -83,7 +83,7 @@ contains
       if (.not. present(report)) return
       if (frame%set%has_names()) then
          call study_sketch(frame%set, frame%problem, frame%prepared%given, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch, &
-                           places_do=.true.)
+                           places_only=.true.)
          if (frame%set%limits%icond /= 0) call study_conditions(frame%set, frame%problem, frame%prepared%given, sketch)
          call put_sketch(frame%set%sketch, sketch, 0, frame%devices%cases(1), problem=frame%problem)
       else
@@ -127,7 +127,7 @@ contains
       if (.not. present(report)) return
       if (frame%set%has_names()) then
          call study_sketch(frame%set, frame%problem, frame%prepared%given, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch, &
-                           places_do=.true.)
+                           places_only=.true.)
          call report_summary(frame%set, frame%problem%mechanism, summary, analysis%motion, frame%devices, sketch)
       else
          call report_summary(frame%set, frame%problem%mechanism, summary, analysis%motion, frame%devices)

@@ -232,7 +232,7 @@ contains
 
          allocate (own)
          call study_sketch(set, solved%problem, study%dimensions, solved%motion%closed, 1.0_wp, 0.0_wp, own, &
-                           places_do=.true.)
+                           places_only=.true.)
          call take_number(own, row)
       end subroutine find_number
 

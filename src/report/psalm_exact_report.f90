@@ -151,8 +151,9 @@ contains
                              ' of the linkages listed was not examined')
          call devices%note_violation()
       end if
-      if (unproven > 0) call devices%remark(set, to_text(unproven)//' of the linkages listed are not proven to close '// &
-                                            'between the positions')
+      if (unproven > 0) call devices%remark(set, to_text(unproven)//' of the linkages listed'// &
+                                            trim(merge(' is ', ' are', unproven == 1))// &
+                                            ' not proven to close between the positions')
    end subroutine report_proofs
 
    !> Why not everything was done.

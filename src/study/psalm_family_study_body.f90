@@ -125,7 +125,7 @@ contains
       integer :: n
 
       allocate (study)
-      call study_sketch(set, problem, dimensions, motion%closed, 1.0_wp, 0.0_wp, study, changed=.true., places_do=.true.)
+      call study_sketch(set, problem, dimensions, motion%closed, 1.0_wp, 0.0_wp, study, changed=.true., places_only=.true.)
       if (k == 1) then
          family%numbers = [character(number_name) :: (study%names(n), n=1, size(study%names))]
          family%columns = family%numbers

@@ -126,11 +126,11 @@ contains
 
       allocate (fine, source=problem)
       call fine%set_inputs(sweep_inputs(problem))
-      call study_sketch(set, fine, dimensions, closed, 1.0_wp, 0.0_wp, study, changed, places_do=.true.)
+      call study_sketch(set, fine, dimensions, closed, 1.0_wp, 0.0_wp, study, changed, places_only=.true.)
    end subroutine study_sweep
 
    !> Outputs and joints at the positions of a problem, with their rates by time; places alone, if no more is wanted.
-   subroutine study_sketch(set, problem, dimensions, closed, speed, accel, study, changed, poses, places_do)
+   subroutine study_sketch(set, problem, dimensions, closed, speed, accel, study, changed, poses, places_only)
       type(data_set_t), intent(in) :: set               !! a sketch with its loops
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
@@ -139,7 +139,7 @@ contains
       type(sketch_study_t), intent(out) :: study
       logical, intent(in), optional :: changed          !! the dimensions are not those of the drawing
       type(link_poses_t), intent(inout), optional :: poses !! with its parts and axes
-      logical, intent(in), optional :: places_do        !! no rates are wanted but those that are values; default: rates are, too
+      logical, intent(in), optional :: places_only        !! no rates are wanted but those that are values; default: rates are, too
       class(problem_t), allocatable :: own              ! large, as the rates are: they would fill a small stack
       type(rates_t), allocatable :: rates
       type(sketch_motion_t) :: sketch
@@ -150,8 +150,8 @@ contains
       integer :: block, offset, n, i, k, loop, order, orders
 
       orders = most_orders
-      if (present(places_do)) then
-         if (places_do .and. .not. has_rates(set, problem)) orders = 0
+      if (present(places_only)) then
+         if (places_only .and. .not. has_rates(set, problem)) orders = 0
       end if
       allocate (own, source=problem)
       if (allocated(own%linkages)) deallocate (own%linkages)
