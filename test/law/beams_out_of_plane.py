@@ -249,12 +249,11 @@ def middle(pins, force, pull):
     x, weights = numpy.polynomial.legendre.leggauss(30)
     s = numpy.concatenate([(x + 1) / 4, (x + 3) / 4])                   # the moment has a corner
     weights = numpy.concatenate([weights, weights]) / 4 * length
-    edge = (lambda n: s ** n * (1 - s) ** 2 * s ** 2) if pins else (lambda n: s ** n * (1 - s) * s)
-    w = numpy.array([numpy.polynomial.Polynomial([1.0])(s) * edge(n) for n in range(many)])
     base = numpy.polynomial.Polynomial([0, 1, -1]) ** (2 if pins else 1)
-    shapes = [base * numpy.polynomial.Polynomial([0] * n + [1]) for n in range(many)]
-    twists = [(numpy.polynomial.Polynomial([0, 1, -1]) if pins else numpy.polynomial.Polynomial([0, 1])) * numpy.polynomial.Polynomial([0] * n + [1])
-              for n in range(many)]
+    # powers of s are so nearly dependent that their masses are not positive definite to rounding
+    legendre = [numpy.polynomial.Legendre.basis(n, domain=[0, 1]).convert(kind=numpy.polynomial.Polynomial, domain=[-1, 1]) for n in range(many)]
+    shapes = [base * p for p in legendre]
+    twists = [numpy.polynomial.Polynomial([0, 1, -1] if pins else [0, 1]) * p for p in legendre]
     w, slope, bend = (numpy.array([p.deriv(d)(s) / length ** d if d else p(s) for p in shapes]) for d in (0, 1, 2))
     phi, twist = (numpy.array([p.deriv(d)(s) / length ** d if d else p(s) for p in twists]) for d in (0, 1))
     moment = -0.5 * force * length * numpy.minimum(s, 1 - s)
