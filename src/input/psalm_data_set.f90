@@ -35,6 +35,7 @@ module psalm_data_set
    use psalm_status, only: diagnostics_t
    use psalm_study_groups, only: study_groups
    use psalm_traced_loops, only: loops_t
+   use psalm_number, only: parse_integer
    use psalm_number_format, only: number_words
    use psalm_text, only: text_t, to_text
    use psalm_tolerance_group, only: tolerance_group_t, read_tolerance_group
@@ -297,7 +298,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       type(case_text_t) :: case
       type(data_set_t), allocatable :: longer(:)
-      integer :: next, count
+      integer :: next, count, more
 
       if (is_json(lines)) then
          call read_all_json(lines, reader, sets, findings)
@@ -316,7 +317,10 @@ contains
             exit
          end if
          if (count == size(sets)) then
-            allocate (longer(max(1, 2*count)))
+            ! cases are large: copying them takes half as long as reading them
+            more = max(1, count)
+            if (count > 0) more = max(more, 1 + cases_from(lines, next))
+            allocate (longer(count + more))
             longer(:count) = sets
             call move_alloc(longer, sets)
          end if
@@ -326,6 +330,44 @@ contains
       end do
       if (count < size(sets)) sets = sets(:count)
    end subroutine read_all
+
+   !> How many cases there are from line `next` on, up to one without LAST=0.
+   integer function cases_from(lines, next) result(count)
+      type(line_t), intent(in) :: lines(:)
+      integer, intent(in) :: next
+      type(case_text_t) :: case
+      type(diagnostics_t) :: unused
+      integer :: at
+
+      at = next
+      count = 0
+      do
+         call read_case(lines, at, case, unused)
+         if (case%line == 0) exit
+         count = count + 1
+         if (.not. another_follows(case)) exit
+      end do
+   end function cases_from
+
+   !> True for LAST=0.
+   pure logical function another_follows(case)
+      type(case_text_t), intent(in) :: case
+      character(:), allocatable :: reason
+      integer :: i, k, last
+      logical :: valid
+
+      another_follows = .false.
+      do i = 1, case%count
+         associate (group => case%groups(i))
+            if (group%name /= 'LIMITS') cycle
+            do k = 1, group%count
+               if (group%items(k)%name /= 'LAST' .or. group%items(k)%count == 0) cycle
+               call parse_integer(group%text_of(group%values(group%items(k)%first)), last, valid, reason)
+               another_follows = valid .and. last == 0
+            end do
+         end associate
+      end do
+   end function another_follows
 
    !> Read every case of a text in JSON. An array of cases has no LAST; it ends with the last.
    subroutine read_all_json(lines, reader, sets, findings)

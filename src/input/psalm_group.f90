@@ -8,7 +8,7 @@ module psalm_group
    use psalm_kinds, only: wp
    use psalm_number, only: parse_integer, parse_real
    use psalm_origin, only: origins_t, name_length
-   use psalm_rule, only: rule_t, any_number
+   use psalm_rule, only: rule_t, value_rule_t, any_number, meaning_length
    use psalm_sort, only: ascending
    use psalm_status, only: diagnostics_t
    use psalm_text, only: quoted, text_t, upper_case, to_text, nearest_name, shortened
@@ -61,8 +61,11 @@ module psalm_group
       integer :: filled = 0                 !! valid elements of `values`
       type(text_t) :: characters            !! of all values
       integer, allocatable :: order(:)      !! the items by name, those of one name as they were written
-      type(rule_t), allocatable :: rules(:) !! what its items may be
+      type(value_rule_t), allocatable :: rules(:) !! what its items may be
+      character(meaning_length), allocatable :: meanings(:) !! of its items, by rule; not of a group that is not given
+      integer :: next_rule = 1              !! the rule behind that of the item asked for last
       character(name_length), allocatable :: known(:) !! names of its items: those of the rules, and asked for so far
+      integer :: next_known = 1             !! the name behind that asked for last
       type(origins_t) :: origins            !! places of the values handed out
       logical :: count_missing = .false.    !! the item that counts the others is wrong: too many of them are not reported
       type(missing_t), allocatable :: missing(:) !! reported at the end, if no misspelt item is meant
@@ -102,6 +105,7 @@ contains
       if (.not. allocated(self%items)) allocate (self%items(16), self%values(16))
       if (allocated(self%known)) deallocate (self%known)
       allocate (self%known(0))
+      self%next_known = 1
       if (allocated(self%missing)) deallocate (self%missing)
       allocate (self%missing(0))
       if (allocated(self%order)) deallocate (self%order)
@@ -114,8 +118,23 @@ contains
    pure subroutine follow(self, rules)
       class(group_t), intent(inout) :: self
       type(rule_t), intent(in) :: rules(:)
+      integer :: i
 
-      self%rules = rules
+      if (allocated(self%rules)) deallocate (self%rules)
+      allocate (self%rules(size(rules)))
+      do i = 1, size(rules)
+         associate (own => self%rules(i))
+            own%name = rules(i)%name
+            own%kind = rules(i)%kind
+            own%shape = rules(i)%shape
+            own%default = rules(i)%default
+            own%values = rules(i)%values
+            own%complaint = rules(i)%complaint
+         end associate
+      end do
+      if (self%line > 0) self%meanings = rules%meaning
+      self%next_rule = 1
+      self%next_known = size(self%known) + 1
       self%known = [character(name_length) :: self%known, pack(rules%name, .not. is_counted(rules%name))]
    end subroutine follow
 
@@ -124,6 +143,7 @@ contains
       class(group_t), intent(inout) :: self
 
       if (allocated(self%rules)) deallocate (self%rules)
+      if (allocated(self%meanings)) deallocate (self%meanings)
    end subroutine forget
 
    !> True for a name that ends in the sign for any number.
@@ -144,14 +164,17 @@ contains
       integer, parameter :: compared = 8         ! characters that one number holds; few names begin with the same
       character(name_length) :: wanted
       integer(int64) :: bits
-      integer :: i
+      integer :: i, k
 
-      ! each item of each group is looked up, and a comparison of texts is a call
+      ! each item of each group is looked up, and a comparison of texts is a call; most are asked for in the order of the table
       wanted = name
       bits = transfer(wanted(:compared), bits)
-      do i = 1, size(self%known)
-         if (transfer(self%known(i)(:compared), bits) /= bits) cycle
-         if (self%known(i) == wanted) return
+      do i = self%next_known, self%next_known + size(self%known) - 1
+         k = merge(i, i - size(self%known), i <= size(self%known))
+         if (transfer(self%known(k)(:compared), bits) /= bits) cycle
+         if (self%known(k) /= wanted) cycle
+         self%next_known = k + 1
+         return
       end do
       self%known = [character(name_length) :: self%known, wanted]
    end subroutine know

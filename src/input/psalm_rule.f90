@@ -8,8 +8,8 @@ module psalm_rule
    use psalm_number, only: parse_real
    implicit none (type, external)
    private
-   public :: rule_t, limits_t, rule_of, word_of, word_count, word_number, one_of, limits_of
-   public :: a_flag, a_whole, a_number, a_word, a_text, required_word, any_number
+   public :: rule_t, value_rule_t, limits_t, rule_of, word_of, word_count, word_number, one_of, limits_of
+   public :: a_flag, a_whole, a_number, a_word, a_text, required_word, any_number, meaning_length
 
    integer, parameter :: a_flag = 1     !! 0 or 1
    integer, parameter :: a_whole = 2    !! an integer
@@ -20,6 +20,8 @@ module psalm_rule
    character(*), parameter :: required_word = 'required' !! in place of a default
    character, parameter :: any_number = '#'              !! ends the name of items that are counted: DES# for DES1, DES2 ...
 
+   integer, parameter :: meaning_length = 300            !! characters, at most
+
    !> One item.
    type :: rule_t
       character(8) :: name                 !! in capitals; `#` at its end stands for a number
@@ -29,9 +31,19 @@ module psalm_rule
       character(20) :: unit                !! `length`: the user's; blank: none
       character(32) :: default             !! a value, the word `required`, or what takes its place in words; blank: none
       character(48) :: values              !! numbers: an interval, `[0,1)`, `(0,)`, or all there are, `0 1`; words: these
-      character(300) :: meaning            !! in a sentence
+      character(meaning_length) :: meaning           !! in a sentence
       character(72) :: complaint = ''      !! about a value that is none of these; blank: the usual one
    end type rule_t
+
+   !> Of these what values are read and checked by: every group of every case has a table of it.
+   type :: value_rule_t
+      character(8) :: name = ''
+      integer :: kind = 0
+      character(16) :: shape = ''
+      character(32) :: default = ''
+      character(48) :: values = ''
+      character(72) :: complaint = ''
+   end type value_rule_t
 
    !> An interval.
    type :: limits_t
@@ -47,18 +59,20 @@ module psalm_rule
 contains
 
    !> Index of the rule of an item; 0 if there is none.
-   pure integer function rule_of(rules, name)
-      type(rule_t), intent(in) :: rules(:)
+   pure integer function rule_of(rules, name, first)
+      type(value_rule_t), intent(in) :: rules(:)
       character(*), intent(in) :: name
+      integer, intent(in) :: first              !! where it is looked for first
       character(len(rules%name)) :: padded
       integer(int64) :: bits
-      integer :: length
+      integer :: length, k
 
       ! each item of each group is looked up, and a comparison of texts is a call: eight characters are compared as one number
       if (len_trim(name) <= len(padded)) then
          padded = name
          bits = transfer(padded, bits)
-         do rule_of = 1, size(rules)
+         do k = first, first + size(rules) - 1
+            rule_of = merge(k, k - size(rules), k <= size(rules))
             if (transfer(rules(rule_of)%name, bits) == bits) return
          end do
       end if

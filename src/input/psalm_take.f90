@@ -3,7 +3,7 @@ module psalm_take
    use psalm_group, only: group_t, out_of, required
    use psalm_kinds, only: wp
    use psalm_number, only: parse_integer, parse_real
-   use psalm_rule, only: rule_t, limits_t, rule_of, word_of, word_count, word_number, one_of, limits_of, a_flag, a_word, &
+   use psalm_rule, only: value_rule_t, limits_t, rule_of, word_of, word_count, word_number, one_of, limits_of, a_flag, a_word, &
                          required_word
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
@@ -25,36 +25,38 @@ contains
       character(*), intent(in) :: name
       integer, intent(inout) :: value
       type(diagnostics_t), intent(inout) :: findings
-      type(rule_t) :: rule
+      integer :: at
       character(:), allocatable :: reason, word
       integer :: found
       logical :: valid
 
-      rule = rule_for(group, name)
-      if (rule%kind == a_word) then
-         word = rule%default(:len_trim(rule%default))
-         found = word_number(rule%values, word)
-         if (found > 0) value = found
-         call group%get_word(name, word, findings)
-         if (.not. group%given(name)) return
-         found = word_number(rule%values, word)
-         if (found > 0) then
-            value = found
-         else
-            call out_of(group, name, complaint_about(rule, one_of(rule%values)//' is expected')//"; found '"//word//"'", &
-                        findings)
+      call find_rule(group, name, at)
+      associate (rule => group%rules(at))
+         if (rule%kind == a_word) then
+            word = rule%default(:len_trim(rule%default))
+            found = word_number(rule%values, word)
+            if (found > 0) value = found
+            call group%get_word(name, word, findings)
+            if (.not. group%given(name)) return
+            found = word_number(rule%values, word)
+            if (found > 0) then
+               value = found
+            else
+               call out_of(group, name, complaint_about(rule, one_of(rule%values)//' is expected')//"; found '"//word//"'", &
+                           findings)
+            end if
+            return
          end if
-         return
-      end if
-      call whole_default(rule, found, valid)
-      if (valid) value = found
-      call group%get_integer(name, value, findings)
-      call require(group, rule)
-      if (.not. group%given(name)) return
-      if (allowed(rule, value)) return
-      reason = complaint_about(rule, must_be(rule))
-      if (len_trim(rule%complaint) == 0) reason = reason//'; found '//to_text(value)
-      call out_of(group, name, reason, findings)
+         call whole_default(rule, found, valid)
+         if (valid) value = found
+         call group%get_integer(name, value, findings)
+         call require(group, at)
+         if (.not. group%given(name)) return
+         if (allowed(rule, value)) return
+         reason = complaint_about(rule, must_be(rule))
+         if (len_trim(rule%complaint) == 0) reason = reason//'; found '//to_text(value)
+         call out_of(group, name, reason, findings)
+      end associate
    end subroutine take_whole
 
    !> A flag: 0 or 1.
@@ -76,20 +78,22 @@ contains
       character(*), intent(in) :: name
       real(wp), intent(inout) :: value
       type(diagnostics_t), intent(inout) :: findings
-      type(rule_t) :: rule
+      integer :: at
       type(limits_t) :: limits
       real(wp) :: default
       logical :: valid
 
-      rule = rule_for(group, name)
-      call number_default(rule, default, valid)
-      if (valid) value = default
-      call group%get_real(name, value, findings)
-      call require(group, rule)
-      if (.not. group%given(name)) return
-      call limits_of(rule%values, limits, valid)
-      if (.not. valid) return
-      if (.not. limits%contain(value)) call out_of(group, name, complaint_about(rule, limits%in_words()), findings)
+      call find_rule(group, name, at)
+      associate (rule => group%rules(at))
+         call number_default(rule, default, valid)
+         if (valid) value = default
+         call group%get_real(name, value, findings)
+         call require(group, at)
+         if (.not. group%given(name)) return
+         call limits_of(rule%values, limits, valid)
+         if (.not. valid) return
+         if (.not. limits%contain(value)) call out_of(group, name, complaint_about(rule, limits%in_words()), findings)
+      end associate
    end subroutine take_number
 
    !> Integers. `last` is the highest element given.
@@ -99,26 +103,28 @@ contains
       integer, intent(inout) :: values(:)      !! shape (entries)
       type(diagnostics_t), intent(inout) :: findings
       integer, intent(out), optional :: last
-      type(rule_t) :: rule
+      integer :: at
       character(:), allocatable :: reason
       integer, allocatable :: columns
       integer :: default, k
       logical :: valid
 
-      rule = rule_for(group, name)
-      call whole_default(rule, default, valid)
-      if (valid) values = default
-      call read_columns(rule, columns)
-      call group%get_integers(name, values, findings, columns, last=last)
-      if (.not. group%given(name) .and. size(values) > 0) call require(group, rule)
-      if (.not. group%given(name)) return
-      do k = 1, size(values)
-         if (allowed(rule, values(k))) cycle
-         reason = complaint_about(rule, must_be(rule))
-         if (len_trim(rule%complaint) == 0) reason = reason//'; found '//to_text(values(k))
-         call out_of(group, name, 'entry '//to_text(k)//': '//reason, findings, k)
-         exit
-      end do
+      call find_rule(group, name, at)
+      associate (rule => group%rules(at))
+         call whole_default(rule, default, valid)
+         if (valid) values = default
+         call read_columns(rule, columns)
+         call group%get_integers(name, values, findings, columns, last=last)
+         if (.not. group%given(name) .and. size(values) > 0) call require(group, at)
+         if (.not. group%given(name)) return
+         do k = 1, size(values)
+            if (allowed(rule, values(k))) cycle
+            reason = complaint_about(rule, must_be(rule))
+            if (len_trim(rule%complaint) == 0) reason = reason//'; found '//to_text(values(k))
+            call out_of(group, name, 'entry '//to_text(k)//': '//reason, findings, k)
+            exit
+         end do
+      end associate
    end subroutine take_wholes
 
    !> Reals. `last` is the highest element given; with `repeated` an entry that is not given is that before it, from the second
@@ -130,31 +136,33 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer, intent(out), optional :: last
       logical, intent(in), optional :: repeated
-      type(rule_t) :: rule
+      integer :: at
       type(limits_t) :: limits
       real(wp) :: default
       integer, allocatable :: columns
       integer :: highest, k
       logical :: valid
 
-      rule = rule_for(group, name)
-      call number_default(rule, default, valid)
-      if (valid) values = default
-      call read_columns(rule, columns)
-      call group%get_reals(name, values, findings, columns, last=highest)
-      if (present(last)) last = highest
-      if (.not. group%given(name) .and. size(values) > 0) call require(group, rule)
-      if (.not. group%given(name)) return
-      if (present(repeated)) then
-         if (repeated .and. highest > 0 .and. highest < size(values)) values(highest + 1:) = values(highest)
-      end if
-      call limits_of(rule%values, limits, valid)
-      if (.not. valid) return
-      do k = 1, size(values)
-         if (limits%contain(values(k))) cycle
-         call out_of(group, name, 'entry '//to_text(k)//': '//complaint_about(rule, limits%in_words()), findings, k)
-         exit
-      end do
+      call find_rule(group, name, at)
+      associate (rule => group%rules(at))
+         call number_default(rule, default, valid)
+         if (valid) values = default
+         call read_columns(rule, columns)
+         call group%get_reals(name, values, findings, columns, last=highest)
+         if (present(last)) last = highest
+         if (.not. group%given(name) .and. size(values) > 0) call require(group, at)
+         if (.not. group%given(name)) return
+         if (present(repeated)) then
+            if (repeated .and. highest > 0 .and. highest < size(values)) values(highest + 1:) = values(highest)
+         end if
+         call limits_of(rule%values, limits, valid)
+         if (.not. valid) return
+         do k = 1, size(values)
+            if (limits%contain(values(k))) cycle
+            call out_of(group, name, 'entry '//to_text(k)//': '//complaint_about(rule, limits%in_words()), findings, k)
+            exit
+         end do
+      end associate
    end subroutine take_numbers
 
    !> The number of entries of a group: as given, else that of the longest item that has so many.
@@ -165,36 +173,39 @@ contains
       character(*), intent(in) :: name
       integer, intent(out) :: n
       type(diagnostics_t), intent(inout) :: findings
-      type(rule_t) :: rule
+      integer :: at
 
       n = 0
-      rule = rule_for(group, name)
-      call group%get_integer(name, n, findings)
-      if (.not. group%given(name)) n = longest(group, name)
-      if (group%given(name) .or. n > 0) then
-         if (allowed(rule, n)) return
-         call out_of(group, name, must_be(rule)//'; found '//to_text(n), findings)
-         n = 0
-         group%count_missing = .true.   ! that the items have too many values is a consequence
-      else
-         call require(group, rule)
-      end if
+      call find_rule(group, name, at)
+      associate (rule => group%rules(at))
+         call group%get_integer(name, n, findings)
+         if (.not. group%given(name)) n = longest(group, name)
+         if (group%given(name) .or. n > 0) then
+            if (allowed(rule, n)) return
+            call out_of(group, name, must_be(rule)//'; found '//to_text(n), findings)
+            n = 0
+            group%count_missing = .true.   ! that the items have too many values is a consequence
+         else
+            call require(group, at)
+         end if
+      end associate
    end subroutine take_count
 
    ! ---- rules -------------------------------------------------------------------------------------------------------
 
-   !> The rule of an item that the table of the group has.
-   pure function rule_for(group, name) result(rule)
-      type(group_t), intent(in) :: group
+   !> Place of the rule of an item in the table of the group. Items are asked for in the order of the table, nearly.
+   pure subroutine find_rule(group, name, at)
+      type(group_t), intent(inout) :: group
       character(*), intent(in) :: name
-      type(rule_t) :: rule
+      integer, intent(out) :: at
 
-      rule = group%rules(rule_of(group%rules, name))
-   end function rule_for
+      at = rule_of(group%rules, name, group%next_rule)
+      group%next_rule = at + 1
+   end subroutine find_rule
 
    !> The default of an integer; not valid where it is none.
    pure subroutine whole_default(rule, value, valid)
-      type(rule_t), intent(in) :: rule
+      type(value_rule_t), intent(in) :: rule
       integer, intent(out) :: value
       logical, intent(out) :: valid
       character(:), allocatable :: reason
@@ -206,7 +217,7 @@ contains
 
    !> The default of a real; not valid where it is none.
    pure subroutine number_default(rule, value, valid)
-      type(rule_t), intent(in) :: rule
+      type(value_rule_t), intent(in) :: rule
       real(wp), intent(out) :: value
       logical, intent(out) :: valid
       character(:), allocatable :: reason
@@ -225,7 +236,7 @@ contains
 
    !> The length of a row of an array; not allocated unless the table says it.
    pure subroutine read_columns(rule, columns)
-      type(rule_t), intent(in) :: rule
+      type(value_rule_t), intent(in) :: rule
       integer, allocatable, intent(out) :: columns
       character(:), allocatable :: reason
       logical :: valid
@@ -240,19 +251,22 @@ contains
    end subroutine read_columns
 
    !> Note an item that is required and not given.
-   subroutine require(group, rule)
+   subroutine require(group, at)
       type(group_t), intent(inout) :: group
-      type(rule_t), intent(in) :: rule
+      integer, intent(in) :: at                        !! place of its rule
 
-      if (rule%default(1:1) /= 'r') return             ! `required` begins with it: a comparison of texts is a call
-      if (rule%default /= required_word .or. group%given(trim(rule%name))) return
-      call required(group, trim(rule%name), 'missing; this item is required: '// &
-                    trim(rule%meaning(:scan(trim(rule%meaning)//';', ';:') - 1)))
+      ! a group that is not given misses nothing
+      if (group%line == 0 .or. group%rules(at)%default(1:1) /= 'r') return ! `required`: a comparison of texts is a call
+      if (group%rules(at)%default /= required_word .or. group%given(trim(group%rules(at)%name))) return
+      associate (meaning => group%meanings(at))
+         call required(group, trim(group%rules(at)%name), 'missing; this item is required: '// &
+                       trim(meaning(:scan(trim(meaning)//';', ';:') - 1)))
+      end associate
    end subroutine require
 
    !> May an integer be?
    pure logical function allowed(rule, value)
-      type(rule_t), intent(in) :: rule
+      type(value_rule_t), intent(in) :: rule
       integer, intent(in) :: value
       type(limits_t) :: limits
       character(:), allocatable :: reason
@@ -282,7 +296,7 @@ contains
 
    !> What an integer must be.
    pure function must_be(rule) result(text)
-      type(rule_t), intent(in) :: rule
+      type(value_rule_t), intent(in) :: rule
       character(:), allocatable :: text
       type(limits_t) :: limits
       integer :: k
@@ -306,7 +320,7 @@ contains
    end function must_be
 
    pure function complaint_about(rule, usual) result(text)
-      type(rule_t), intent(in) :: rule
+      type(value_rule_t), intent(in) :: rule
       character(*), intent(in) :: usual
       character(:), allocatable :: text
 

@@ -19,6 +19,7 @@ module psalm_linkage
    public :: linkage_t, bound_step_t, block_length, padded, solve_point, put_seconds, put_driven_lengths, all_between
    public :: largest_direction, largest_slide
 
+   integer, parameter :: as_wide = selected_int_kind(int(log10(2.0)*real(storage_size(1.0_wp) - 1))) !! an integer as wide as reals
    integer, parameter :: block_length = 256 !! positions solved together: long loops, rows that stay near in the cache
    integer, parameter :: lane = 4           !! positions are padded to a multiple of this: no remainder loops
 
@@ -1058,18 +1059,18 @@ contains
       if (present(other)) stays_on_side = stays_on_side .and. self%side(loop) == other%side(loop)
    end function stays_on_side
 
-   !> True if low <= measure <= high throughout. Counted in integers as wide as reals: it runs in vector registers.
+   !> True if low <= measure <= high throughout: no difference has the sign bit. It runs in vector registers, without masks.
    pure logical function within(n, measure, low, high)
       integer, intent(in) :: n
-      real(wp), intent(in) :: measure(n), low, high
-      integer(i8) :: outside
+      real(wp), intent(in) :: measure(n), low, high     !! finite
+      integer(as_wide) :: signs
       integer :: i
 
-      outside = 0
+      signs = 0
       do i = 1, n
-         outside = outside + merge(1_i8, 0_i8, measure(i) < low) + merge(1_i8, 0_i8, measure(i) > high)
+         signs = ior(signs, ior(transfer(measure(i) - low, signs), transfer(high - measure(i), signs)))
       end do
-      within = outside == 0
+      within = signs >= 0
    end function within
 
    !> True if the amount of the measure is not below `low` anywhere.
