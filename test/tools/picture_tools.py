@@ -8,8 +8,16 @@ from results import no_number
 
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 DATA = os.path.join(TOP, "data")
+# Each context has a window, and in chromium 156 two processes for the menu of its address bar, which took more than twice the time
+# of a page; nobody sees it here. A switch counts as it is given last: what Playwright switches off is named again. All pages share
+# one process, since a process takes longer to begin than most pages to be drawn.
+WITHOUT = ("WebUIOmniboxPopup", "WebUIOmniboxAimPopup", "WebUIOmniboxFullPopup", "AimEnabled",
+           "AvoidUnnecessaryBeforeUnloadCheckSync", "DestroyProfileOnBrowserClose", "HttpsFirstBalancedModeAutoEnable", "HttpsUpgrades",
+           "LensOverlay", "MediaRouter", "NetworkTimeServiceQuerying", "OptimizationHints", "PaintHolding", "PreconnectToSearch",
+           "ThirdPartyStoragePartitioning")
 FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-         "--disable-background-networking", "--disable-component-update", "--disable-sync"]
+         "--disable-background-networking", "--disable-component-update", "--disable-sync",
+         "--renderer-process-limit=1", "--disable-features=" + ",".join(WITHOUT)]
 PATIENCE = 180e3   # milliseconds for a page to load: other work may be going on
 passed = failed = 0
 programs = ""  # directory of psalm and balm
