@@ -397,7 +397,7 @@ contains
       up(1) = 0.0_wp
       down(1) = 0.0_wp
       do i = 2, n
-         step = (one%c(i) - one%a)*conjg(one%c(i - 1) - one%a)
+         step = of_unit_size(one%c(i) - one%a)*conjg(of_unit_size(one%c(i - 1) - one%a))
          degrees(i) = degrees_of(real(step, wp), aimag(step))
          up(i) = up(i - 1) + modulo(degrees(i), 2.0_wp*half_turn)
          down(i) = down(i - 1) - modulo(-degrees(i), 2.0_wp*half_turn)
@@ -407,4 +407,13 @@ contains
       if (up(n) < 2.0_wp*half_turn) degrees = up
       if (down(n) > -2.0_wp*half_turn) degrees = down
    end function crank_angles
+
+   !> A vector divided by a power of two, so that products of two are numbers.
+   elemental complex(wp) function of_unit_size(vector)
+      complex(wp), intent(in) :: vector
+      integer :: e
+
+      e = exponent(max(abs(real(vector, wp)), abs(aimag(vector))))
+      of_unit_size = cmplx(scale(real(vector, wp), -e), scale(aimag(vector), -e), wp)
+   end function of_unit_size
 end module psalm_defects

@@ -300,6 +300,7 @@ contains
       end if
       study%events = moving%events
       call keep_jumps()
+      if (allocated(study%forces%tilt)) deallocate (study%forces%tilt)   ! of the drive at its speed
       call make_rows(row)
       if (row > 0) study%turnover = max(maxval(abs(study%forces%table%kinetic)), &
                                         maxval(abs(study%potential - study%potential(1))), maxval(abs(study%work)), &

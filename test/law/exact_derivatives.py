@@ -277,6 +277,16 @@ def of_idle_items(programs, folder):
     holds(status == 0 and "DPSI: has no effect: it is the range of FUNC" in remarks, "DPSI beside a table is reported: %s" % remarks[:100])
 
 
+def of_far_points(programs, folder):
+    """A place whose square is no number: the crank angles of the linkages are numbers."""
+    status, listing, remarks = run(programs, """FAR
+ &EXACT KIND='MOTION', XP=0.0,30.0,70.0, YP=1E300,20.0,10.0, ANGP=0.0,-25.0,-60.0, XPOLE=10.0,70.0, YPOLE=-60.0,-60.0 &END
+""", folder)
+    with open(os.path.join(folder, "case.dev7"), encoding="utf-8") as file:
+        written = file.read()
+    holds(status == 0 and written.count("DELT=") == 6 and "NaN" not in written, "a point at 1E300: " + remarks[:200])
+
+
 def main():
     programs = os.path.abspath(sys.argv[1])
     with tempfile.TemporaryDirectory() as folder:
@@ -286,6 +296,7 @@ def main():
         of_mistakes(programs, folder)
         of_idle_items(programs, folder)
         of_gaps(programs, folder)
+        of_far_points(programs, folder)
     return report()
 
 

@@ -26,6 +26,15 @@ run = KALM.time
 
 # ---- closed forms and published numbers (in 34 digits by quadratures and multipliers; Andrews: IVP test set) -----------------------------------------
 
+def heights():
+    """Moments out of the plane are those of a drive with its speed: not in the table for sizing of a motion in time."""
+    text = data("pendulum")
+    _, said = KALM.tables(re.sub(r" MASS *=", " MZ=0.5, MASS=", data("pendulum"), count=1))
+    _, found, sizes = said.partition("AT THE TIME")
+    check(f"a height has no effect on a motion in time: {said[-200:]}", "MZ: has no effect" in said and found and
+          "FRAME FX" in sizes and "FRAME QX" not in sizes and "NaN" not in sizes)
+
+
 def known_numbers():
     t, _ = run(data("pendulum"))
     near(t["point_P.x"][-1], -.275087462576117, 2e-12, "pendulum, x after 10 s")
@@ -391,6 +400,7 @@ def mistakes():
 
 if __name__ == "__main__":
     known_numbers()
+    heights()
     random_mechanisms()
     laws()
     trebuchet()
