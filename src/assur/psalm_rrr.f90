@@ -23,6 +23,7 @@ module psalm_rrr
 
    real(wp), parameter :: largest_half = 0.25_wp*huge(1.0_wp)*least_square !! so that 1/least_square times it is finite
    real(wp), parameter :: inside = 1.0e-6_wp*degrees_per_radian !! degrees a repaired transmission angle is put inside its limit
+   real(wp), parameter :: most_sine2 = 2.0_wp        !! no square of a sine is as great, whatever its rounding
 
 contains
 
@@ -450,7 +451,9 @@ contains
 
    !> Link pair, first and second order in one pass; the inverse of the sine between the links is kept.
    !>
-   !> Where the square of the sine is not above `limit` (a dead point) the inverse is zero.
+   !> Where the square of the sine is not above `limit` (a dead point) the inverse is zero; so where it is beyond that of any angle:
+   !> a pair that does not close has vectors as long as the pair would have to be, and beside a link of hardly any length what is
+   !> left of their product by rounding would give rates without end.
    pure subroutine link_pair_second(n, p, q, limit, sx1, sy1, ex1, ey1, sx2, sy2, ex2, ey2, px, py, qx, qy, inverse, sine2, wp1, &
                                     wq1, wp2, wq2)
       integer, intent(in) :: n
@@ -468,7 +471,7 @@ contains
          sine = px(i)*qy(i) - py(i)*qx(i)
          sine2(i) = sine*sine
          sine = 1.0_wp/sign(max(abs(sine), least), sine)
-         sine = merge(sine, 0.0_wp, sine2(i) > limit)
+         sine = merge(sine, 0.0_wp, sine2(i) > limit .and. sine2(i) < most_sine2)
          inverse(i) = sine
          gx = ex1(i) - sx1(i)
          gy = ey1(i) - sy1(i)

@@ -47,20 +47,21 @@ contains
    !> Set what is not said. A case without &KINDS, or with a linkage of its own, is left as it is.
    pure subroutine complete_kinds_case(case)
       type(case_text_t), intent(inout) :: case
-      integer :: kinds
+      integer :: kinds, line
       logical :: of_point, turns
 
       kinds = place_of(case, 'KINDS')
       if (kinds == 0 .or. place_of(case, 'LINKS') > 0 .or. place_of(case, 'CHAIN') > 0) return
+      line = case%groups(kinds)%line      ! a variable: put_item may move the groups
       of_point = word_of(case, 'OUTPUT') /= 'ANGLE' .and. word_of(case, 'OUTPUT') /= 'POSE'
       turns = .not. driven_by_cylinder(case)
-      if (word_of(case, 'OUTPUT') == 'ANGLE') call put_item(case, case%groups(kinds)%line, 'METHOD', 'MOTION', '1')
-      if (word_of(case, 'OUTPUT') == 'POSE') call put_item(case, case%groups(kinds)%line, 'METHOD', 'MOTION', '4')
-      if (of_point) call put_item(case, case%groups(kinds)%line, 'METHOD', 'IFREE', '1')
-      call put_item(case, case%groups(kinds)%line, 'SEARCH', 'SOLVER', 'LSQ')
-      call put_item(case, case%groups(kinds)%line, 'SEARCH', 'NSTART', usual_starts)
-      if (is_free()) call put_item(case, case%groups(kinds)%line, 'SEARCH', 'ORDER', '2')
-      if (turns) call put_item(case, case%groups(kinds)%line, 'CONSTR', 'IRANGE', '2')
+      if (word_of(case, 'OUTPUT') == 'ANGLE') call put_item(case, line, 'METHOD', 'MOTION', '1')
+      if (word_of(case, 'OUTPUT') == 'POSE') call put_item(case, line, 'METHOD', 'MOTION', '4')
+      if (of_point) call put_item(case, line, 'METHOD', 'IFREE', '1')
+      call put_item(case, line, 'SEARCH', 'SOLVER', 'LSQ')
+      call put_item(case, line, 'SEARCH', 'NSTART', usual_starts)
+      if (is_free()) call put_item(case, line, 'SEARCH', 'ORDER', '2')
+      if (turns) call put_item(case, line, 'CONSTR', 'IRANGE', '2')
 
    contains
 

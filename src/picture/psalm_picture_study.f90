@@ -70,7 +70,7 @@ contains
          end if
          if (sets(k)%gives('EXACT')) then
             call add_poles(sets(k), noted, cases(k))
-            own = [own, finding_list(noted)]
+            call add_findings(noted, own)
             call findings%append(noted)
             call message_scene(sets(k), own, cases(k)%scene)
             cycle
@@ -88,7 +88,7 @@ contains
          if (allocated(kept)) deallocate (kept)
          if (.not. (timed .or. by_links) .and. prepared%ready .and. sets(k)%method%ikin == 0 .and. &
              sets(k)%method%ndes > most_drawn) kept = positions_drawn(sets(k), noted)
-         own = [own, finding_list(noted)]
+         call add_findings(noted, own)
          call findings%append(noted)
          if (timed .and. prepared%ready) cycle
          if (by_links) then
@@ -139,6 +139,16 @@ contains
          if (k < size(sets)) last = sets(k + 1)%title_line - 1
          some = pack(list, list%line >= first .and. list%line <= last)
       end function of_case
+
+      !> By way of a variable: gfortran keeps the texts of a function's result within an array constructor.
+      pure subroutine add_findings(findings, list)
+         type(diagnostics_t), intent(in) :: findings
+         type(finding_t), allocatable, intent(inout) :: list(:)
+         type(finding_t), allocatable :: added(:)
+
+         added = finding_list(findings)
+         list = [list, added]
+      end subroutine add_findings
 
       pure function finding_list(findings) result(list)
          type(diagnostics_t), intent(in) :: findings

@@ -409,7 +409,7 @@ contains
          type(observable_t), intent(in) :: output
          integer, intent(in) :: component
          type(number_t) :: number
-         type(arc_term_t) :: arm
+         type(arc_term_t) :: arm, pivot
 
          if (component == output%kind%angle) then
             number%form = form_turn
@@ -429,7 +429,10 @@ contains
          number%form = merge(form_x, form_y, component == 1)
          if (output%motion == motion_distance) number%form = form_distance
          number%line = sum_of(path_to(problem%plan%output_point))
-         number%line%terms = [pivot_term(), number%line%terms, arm_of(output)]
+         ! variables: what an array constructor takes from a function's result stays in use with gfortran
+         pivot = pivot_term()
+         arm = arm_of(output)
+         number%line%terms = [pivot, number%line%terms, arm]
       end function number_of_output
 
       !> The output arc.
@@ -452,8 +455,9 @@ contains
       !> Where the joints of a sketch are: those that do not move have no terms.
       subroutine place_joints()
          integer :: m
-         type(arc_term_t) :: offset
+         type(arc_term_t) :: offset, pivot
 
+         pivot = pivot_term()
          allocate (joint(size(sketch%drawn)))
          do m = 1, size(joint)
             allocate (joint(m)%terms(0))
@@ -461,7 +465,7 @@ contains
          do m = 1, size(sketch%moving)
             associate (one => sketch%moving(m), to => joint(sketch%moving(m)%joint))
                to = sum_of(path_to(problem%plan%joint_points(m)))
-               to%terms = [pivot_term(), to%terms]
+               to%terms = [pivot, to%terms]
                if (.not. abs(one%offset) > 0.0_wp) cycle
                offset = term_of(one%arc, 1.0_wp)
                offset%direction = offset%direction*one%offset/abs(one%offset)

@@ -28,6 +28,7 @@ program test_rates
    call pose_rates('dyad4_slider_crank')
    call known_rates()
    call dead_points()
+   call hardly_a_link()
    call corner_of_distance()
    call t%report()
 
@@ -274,6 +275,23 @@ contains
       end do
       call t%is_true(all([(all(abs(rates%d(i)%v) <= huge(1.0_wp)), i=1, highest_order)]), 'numbers stay finite at a dead point')
    end subroutine dead_points
+
+   !> A pair of links that does not close because one is hardly any: its rates mean nothing, but the arithmetic goes on.
+   subroutine hardly_a_link()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(rates_t) :: rates
+      integer :: offset, n, i
+
+      call load_case('dyad1_crank_rocker', problem, set)
+      call problem%want_derivatives(.false.)
+      call prepare_rates(problem, rates)
+      problem%given%arcl(2) = 1.0e-150_wp
+      call problem%bind(problem%given)
+      call problem%solve_block(1, offset, n)
+      call differentiate(problem, rates, n, highest_order)
+      call t%is_true(all([(all(abs(rates%d(i)%v) <= huge(1.0_wp)), i=1, highest_order)]), 'numbers stay finite by hardly a link')
+   end subroutine hardly_a_link
 
    !> A distance that is rounding of the long arm it is measured by has no rate; ten times as far off it has.
    subroutine corner_of_distance()
