@@ -388,12 +388,7 @@ contains
             call unit_vector(self%second(i), self%first(i), self%second(i))
          end do
       end if
-      ! one call or the other: gfortran reads bounds that it never set where an absent array is handed on
-      if (present(own)) then
-         call set_more(self, same, own)
-      else
-         call set_more(self, same)
-      end if
+      call set_more(self, same, own)
       if (allocated(self%partial)) deallocate (self%partial, self%offending)
       allocate (self%partial(self%blocks()), source=0.0_wp)
       allocate (self%offending(self%blocks()), source=0)

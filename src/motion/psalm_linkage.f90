@@ -777,12 +777,7 @@ contains
       if (present(last_step)) last = last_step
       do k = 1, last
          if (allocated(self%steps(k)%dyad%higher)) then
-            ! one call or the other: gfortran reads bounds that it never set where an absent array is handed on
-            if (present(more)) then
-               call follow_group(self, k, n, path, more, closed)
-            else
-               call follow_group(self, k, n, path, closed=closed)
-            end if
+            call follow_group(self, k, n, path, more, closed)
             if (.not. present(offending)) cycle
             if (self%all_accepted(n, self%steps(k)%loop)) cycle
             offending = self%steps(k)%loop

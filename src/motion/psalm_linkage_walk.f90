@@ -51,12 +51,7 @@ contains
          if (self%steps(k)%dyad%higher%rings == 0) &
             call follow_ties(self, k, n, path, closed .or. all_close_before(self, k, n), first)
          if (first > n) return
-         ! one call or the other: gfortran reads bounds that it never set where an absent array is handed on
-         if (present(more)) then
-            call follow_path(self, k, n, path, first, more)
-         else
-            call follow_path(self, k, n, path, first)
-         end if
+         call follow_path(self, k, n, path, first, more)
          associate (dyad => self%steps(k)%dyad)
             closed = closed .and. all_between(self, n, self%steps(k)%loop, dyad%closes_low, dyad%closes_high)
          end associate
