@@ -260,6 +260,7 @@ contains
                call not_there('DLINK', drive%link, at)
                return
             end if
+            if (any(at == 0)) return             ! a slide on a link that is not there, which is an error of the sketch
             if (size(at) == 2) then
                if (drive%base == 0 .and. drive%link == 0) drive%base = minval(at)
                if (drive%base == 0) drive%base = sum(at) - drive%link
