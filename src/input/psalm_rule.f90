@@ -31,7 +31,7 @@ module psalm_rule
       character(20) :: unit                !! `length`: the user's; blank: none
       character(32) :: default             !! a value, the word `required`, or what takes its place in words; blank: none
       character(48) :: values              !! numbers: an interval, `[0,1)`, `(0,)`, or all there are, `0 1`; words: these
-      character(meaning_length) :: meaning           !! in a sentence
+      character(meaning_length) :: meaning !! in a sentence
       character(72) :: complaint = ''      !! about a value that is none of these; blank: the usual one
    end type rule_t
 

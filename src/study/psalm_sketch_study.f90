@@ -139,7 +139,7 @@ contains
       type(sketch_study_t), intent(out) :: study
       logical, intent(in), optional :: changed          !! the dimensions are not those of the drawing
       type(link_poses_t), intent(inout), optional :: poses !! with its parts and axes
-      logical, intent(in), optional :: places_only        !! no rates are wanted but those that are values; default: rates are, too
+      logical, intent(in), optional :: places_only      !! no rates are wanted but those that are values; default: rates are, too
       class(problem_t), allocatable :: own              ! large, as the rates are: they would fill a small stack
       type(rates_t), allocatable :: rates
       type(sketch_motion_t) :: sketch
