@@ -34,6 +34,13 @@ contains
       do
          steps = 2*steps
          now = period(stiffness, damping, steps)
+         if (.not. all(abs(now) <= huge(1.0_wp))) then
+            ! what grows beyond all numbers in a turn does so with shorter steps, too
+            ok = .false.
+            error = 1.0_wp
+            multipliers = 0.0_wp
+            return
+         end if
          ! of fourth order: with the extrapolation the error left is far below the change
          error = maxval(abs(now - before))/(15.0_wp*maxval(abs(now)))
          reached = error <= tolerance

@@ -132,10 +132,11 @@ contains
       type(flypast_t) :: flypast
       type(passing_contact_t) :: contact
       real(wp) :: t, last, g(2), step, next(2), taken, forces(3), times(3), states(2, 3), least, gap, period
-      integer :: i
+      integer :: i, count                           ! of the steps kept
       logical :: passed                             ! the second minimum
 
       passed = .false.
+      count = 0
       if (present(steps)) allocate (steps(0))
       if (.not. (h1 > 0.0_wp .and. h3 >= 0.0_wp .and. h3 < 1.0_wp)) return
       contact = passing_contact_t(tolerance=tolerance, cube=h1**3, h3=h3, cosine=cos(h2), sine=sin(h2))
@@ -153,7 +154,7 @@ contains
          period = 2.0_wp*pi/sqrt(h1**3*sqrt(1.0_wp + t*t)/(1.0_wp - h3) + 1.0_wp)
          step = min(step, merge(quiet_part, least_part, t < passage_begins)*period)
          call advance(contact, t, g, step, shortest, next, taken, gap)
-         if (taken <= shortest) return
+         if (taken <= shortest) exit
          if (flypast%loss(1) <= 0.0_wp .and. .not. any(abs(flypast%loss) > 0.0_wp)) then
             if (contact%force(t + taken, next) < 0.0_wp) flypast%loss = loss_between(t, g, taken)
          end if
@@ -172,9 +173,8 @@ contains
             if (flypast%found == most_minima) exit
          end if
          if (present(steps)) then
-            if (flypast%found == 1 .and. size(steps) == 0) steps = [passed_step_t(times(1), states(:, 1), times(2) - times(1))]
-            if (flypast%found == 1 .or. (flypast%found == 2 .and. .not. passed)) &
-               steps = [steps, passed_step_t(t, g, taken)]
+            if (flypast%found == 1 .and. count == 0) call keep(passed_step_t(times(1), states(:, 1), times(2) - times(1)))
+            if (flypast%found == 1 .or. (flypast%found == 2 .and. .not. passed)) call keep(passed_step_t(t, g, taken))
             passed = flypast%found > 1
          end if
          t = t + taken
@@ -183,8 +183,22 @@ contains
          if (t > last) exit
       end do
       flypast%ok = flypast%found == most_minima .or. t > last
+      if (present(steps)) steps = steps(:count)
 
    contains
+
+      subroutine keep(passed_step)
+         type(passed_step_t), intent(in) :: passed_step
+         type(passed_step_t), allocatable :: longer(:)
+
+         if (count == size(steps)) then
+            allocate (longer(max(64, 2*count)))
+            longer(:count) = steps
+            call move_alloc(longer, steps)
+         end if
+         count = count + 1
+         steps(count) = passed_step
+      end subroutine keep
 
       !> Lag without swinging: a'' = 0 at a' = 0, the root near zero by damped Newton's method.
       pure real(wp) function quiet_lag() result(angle)

@@ -19,6 +19,8 @@ module psalm_stability
    end type boundaries_t
 
    integer, parameter :: fewest_waves = 24, most_waves = 384
+   real(wp), parameter :: deepest = real(most_waves, wp)**4 !! change of f beyond which no matrix is large enough: the free motion
+                                              !! in a hollow of this depth is a few times its fourth root wide, in waves
    real(wp), parameter :: target = 1.0e-11_wp !! of the change at the last enlargement, relative to the largest boundary
 
 contains
@@ -29,18 +31,21 @@ contains
       integer, intent(in) :: last !! the largest p wanted, at least 0
       type(boundaries_t) :: b
       real(wp) :: before(0:2*last), now(0:2*last)
-      integer :: waves
-      logical :: ok
+      integer :: waves, n
+      logical :: ok, is_hopeless
 
       allocate (b%low(0:last), b%high(0:last))
       waves = max(fewest_waves, (last + 1)/2 + min(f%highest(target), most_waves/4))
       call eigenvalues(f, last, waves, before, ok)
+      is_hopeless = sum([(f%amplitude(n), n=1, f%highest())]) > deepest
+      now = before
+      if (.not. ok) b%error = huge(1.0_wp)
       do while (ok)
          waves = waves + waves/2
          call eigenvalues(f, last, waves, now, ok)
          b%error = maxval(abs(now - before))
          b%converged = ok .and. b%error <= target*max(1.0_wp, maxval(abs(now)))
-         if (b%converged .or. waves > most_waves) exit
+         if (b%converged .or. is_hopeless .or. waves > most_waves) exit
          before = now
       end do
       b%waves = waves
@@ -61,6 +66,7 @@ contains
       integer :: odd, n, i, j, p
 
       ok = .true.
+      values = 0.0_wp
       do odd = 0, min(1, last)
          n = 2*waves + 1 - odd
          do j = 1, n

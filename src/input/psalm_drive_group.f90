@@ -152,6 +152,7 @@ contains
       call take(group, 'HTOL', hill%tolerance, findings)
       call take(group, 'NHHARM', hill%harmonics, findings)
       if (.not. hill%given) return
+      if (n == 0 .and. hill%equations <= 1) call required(group, 'HC0', 'missing; the tables have no values')
       call check_table('HC1', last(1))
       call check_table('HC0', last(2))
       call check_table('HP', last(3))

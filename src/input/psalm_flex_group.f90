@@ -10,6 +10,7 @@ module psalm_flex_group
    use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take, take_count
+   use psalm_text, only: to_text
    implicit none (type, external)
    private
    public :: flex_items
@@ -17,6 +18,8 @@ module psalm_flex_group
 
    integer, parameter :: fewest_points = 16    !! of a turn: parts of it that the solution is joined from
    real(wp), parameter :: usual_poisson = 0.3_wp !! of metals
+   real(wp), parameter :: most_depth = 1000.0_wp !! of a section, in radii of gyration: of a fin as thin as a hair, 100
+   real(wp), parameter :: written = 1.0e-3_wp    !! part by which a radius of gyration may be rounded
 
    !> A cross section of a beam.
    type :: section_of_beam_t
@@ -214,6 +217,18 @@ contains
             values(:, 5, :) = values(:, 4, :)
          end if
          if (.not. group%given('XTORS')) call refuse_end('TORS', 'needs XTORS, the constant at the start')
+         do e = 1, 2
+            if (.not. group%given(letters(e)//'DEPTH')) cycle
+            do k = 1, n
+               if (values(k, 1, e) < 2.0_wp*values(k, 4, e)*(1.0_wp - written)) then
+                  call out_of(group, letters(e)//'DEPTH', 'no section of this depth has that radius of gyration: it is at most '// &
+                              'half of the depth', findings, k)
+               else if (values(k, 1, e) > most_depth*values(k, 4, e)) then
+                  call out_of(group, letters(e)//'DEPTH', 'the depth is more than '//to_text(nint(most_depth))// &
+                              ' times the radius of gyration: no section is like that', findings, k)
+               end if
+            end do
+         end do
       end if
       do e = 1, 2
          sections(e, :)%depth = values(:, 1, e)

@@ -660,17 +660,20 @@ contains
       real(wp), intent(in) :: from(:), to(:)    !! inputs
       logical, intent(out) :: reached
       real(wp), intent(out) :: way              !! part of the way that was gone
-      real(wp) :: step, worst, next(size(to))
+      real(wp) :: step, longest, worst, next(size(to))
       integer :: tries
       logical :: valid
 
       reached = .false.
       way = 0.0_wp
-      step = 1.0_wp
       tries = 0
+      longest = 1.0_wp
       if (.not. self%sliding_input .and. size(self%steps(k)%dyad%higher%known) > 0) &
-         step = min(1.0_wp, farthest_input/max(abs(to(1) - from(1)), tiny(1.0_wp)))
+         longest = min(1.0_wp, farthest_input/max(abs(to(1) - from(1)), tiny(1.0_wp)))
+      step = longest
       do while (way < 1.0_wp)
+         ! also where every step is good, but so short that there is no end of them
+         if (step < longest .and. tries > most_tries) return
          step = min(step, 1.0_wp - way)
          do
             next = to
@@ -683,9 +686,7 @@ contains
          end do
          way = way + step
          if (way > 1.0_wp - 0.5_wp*least_step) way = 1.0_wp
-         if (worst < easy) step = 2.0_wp*step
-         if (.not. self%sliding_input .and. size(self%steps(k)%dyad%higher%known) > 0) &
-            step = min(step, farthest_input/max(abs(to(1) - from(1)), tiny(1.0_wp)))
+         if (worst < easy) step = min(2.0_wp*step, longest)
       end do
       reached = .true.
    end subroutine walk_between

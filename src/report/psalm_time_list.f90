@@ -429,7 +429,7 @@ contains
       if (.not. study%moves) return
       words = '0 to '//plain_number(study%stopped)//' s in '//to_text(study%steps)// &
               trim(merge(' step ', ' steps', study%steps == 1))
-      if (study%turnover > roundings*epsilon(1.0_wp)*maxval(abs(study%potential))) then
+      if (study%turnover > roundings*epsilon(1.0_wp)*maxval([0.0_wp, abs(study%potential)])) then
          words = words//'; energy in balance to '//plain_number(remainder(study)/study%turnover)
       else if (study%turnover > 0.0_wp) then
          words = words//'; no energy moves, but for rounding'

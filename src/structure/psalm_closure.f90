@@ -172,7 +172,7 @@ contains
                b = findloc(joints, sketch%length_of(2, held(k)), dim=1)
                d = places(joints(b)) - places(joints(a))
                right(k) = sketch%length(held(k)) - abs(d)
-               d = d/abs(d)
+               if (abs(d) > 0.0_wp) d = d/abs(d)     ! joints that coincide have no direction: the matrix loses its rank
                matrix([2*a - 1, 2*a, 2*b - 1, 2*b], k) = [-d%re, -d%im, d%re, d%im]
             end do
             if (maxval(abs(right)) <= 2.0_wp*epsilon(1.0_wp)*maxval(sketch%length(held))) exit

@@ -4,6 +4,7 @@
 usage: mistakes.py BIN   (directory with the programs). The last line is N passed, N failed.
 """
 import os
+import resource
 import subprocess
 import sys
 import tempfile
@@ -265,14 +266,20 @@ MISTAKES = [
     (NAMED, "DPSI=60.0", "DPSI=0.0", "&EXACT DPSI: must not be 0"),
 ]
 
+FLEX = """ &RATES SPEED=90.0 &END
+ &FLEX XNAME='coupler B','rocker C', YNAME='coupler C','rocker D', XMOD=207E9, XRHO=7850.0, XDEPTH=0.020, XAREA=5E-5, XGYR=5.774E-3 &END
+"""
 # the same by another program
 REFUSED = [
     # numbers whose squares have none, and counts beyond all memory (found by random input)
     ("psalm", SKETCH, "DELT=0.0,5.0", "DELT=0.0,5.0, DESX=1.0,1E300, DESY=1.0,2.0", "DESX: is implausibly large"),
     ("kalm", SKETCH, "&METHOD", "&RATES SPEED=4.9E-324 &END\n &METHOD", "SPEED: is so small that its square is lost"),
     ("kalm", SKETCH, "&METHOD", "&MASSES MNAME='rocker', MASS=1.0 &END\n &TIME TEND=8.0, NTIME=2147483647 &END\n &METHOD", "NTIME"),
-    ("ssics", SKETCH, SKETCH[SKETCH.index("\n"):], "\n &HILL &END\n &DRIVEL DMEAN=10.0, DSPLOW=20.0, DSPHGH=120.0 &END\n &RATES &END\n",
+    ("ssics", SKETCH, SKETCH[SKETCH.index("\n"):], "\n &HILL HC0=1.0 &END\n &DRIVEL DMEAN=10.0, DSPLOW=20.0, DSPHGH=120.0 &END\n &RATES &END\n",
      "need a linkage"),
+    ("ssics", SKETCH, SKETCH[SKETCH.index("\n"):], "\n &HILL &END\n", "HC0: missing; the tables have no values"),
+    ("ssics", SKETCH, " &METHOD", FLEX.replace("0.020", "0.020,1E300") + " &METHOD", "XDEPTH: the depth is more than 1000 times the radius of gyration"),
+    ("ssics", SKETCH, " &METHOD", FLEX.replace("0.020", "0.011") + " &METHOD", "XDEPTH: no section of this depth has that radius of gyration"),
     ("kalm", CARRIED, " &METHOD", " &MASSES NMASS=1, MLINK=-2, MLOOP=1, MASS=1.0, UNITL=0.001 &END\n &METHOD",
      "&LINKS ILINK: joint S3 of loop 3 is no point of both links that it joins"),
 ]
@@ -322,6 +329,49 @@ SILENT = [
 ]
 
 
+UMBRELLA = """UMBRELLA, ONE RIB
+ &CHAIN JNT='T','R','S','U','V','P','Q', JX=0.0,0.0,150000000.0,130.0,300.0,320.0,450.0, JY=600.0,350.0,560.0,530.0,480.0,510.0,420.0,
+  LNAME='pole','runner','stretcher','rib','pull','outer', LNK='T','R','R U','T S U P','S V','P V Q',
+  SLNK='pole', SLNK2='runner', SLX=0.0, SLY=350.0, SLANG=90.0 &END
+ &DRIVES DRIVE='S1' &END
+ &METHOD NDES=2, DELT=0.0,22.5 &END
+"""
+THIN = """FOUR-BAR, A COUPLER THAT BUCKLES
+ &LINKS NLOOP=1, MAXARC=4, ILINK=1,2,3,4, ILOOP=1,0,0,1, ARCL=0.06,0.30,0.14,0.32, GAMA=3*0.0,180.0, NOUTLK=3, NOUTLP=1 &END
+ &METHOD MOTION=1, IKIN=15 &END
+ &RATES SPEED=80.0 &END
+ &MASSES MLINK=3, MLOOP=1, MASS=0.7, MDIST=0.06, MANG=180.0, MINERT=2E-3 &END
+ &VIBR VLINK=2, VLOOP=1, VMOD=207E9, VRHO=7850.0, VDEPTH=1E-150, VWIDTH=0.008, VZETA=0.02, NMODE=3 &END
+"""
+MASSLESS = """MOTOR
+ &CHAIN JNT='A','B','C', JX=0.0,0.04,0.18, JY=0.0,0.0,0.01, LNAME='frame','crank','rod','piston', LNK='A','A B','B C','C',
+  SLNK='frame', SLNK2='piston', SLX=0.0, SLY=0.01, SLANG=0.0 &END
+ &DRIVES DRIVE='A' &END
+ &METHOD DELT=0.0 &END
+ &MASSES UNITL=1.0 &END
+ &TIME TEND=0.2 &END
+"""
+# Runs that end with status 1 after a second at most, and say no number that is none (found by random input): program, text, what is said.
+# The first took 50 s, in ever so short steps that were all good; the second 39 s, with matrices that had overflowed.
+ENDS = [
+    ("psalm", UMBRELLA, "the linkage does not close at 1 of 2 positions"),
+    ("ssics", THIN, "it grows too much in a turn to be followed"),
+    ("kalm", MASSLESS, "some motion of the free drives moves no mass"),
+]
+
+
+def ends(place):
+    name = os.path.join(place, "case.nml")
+    for program, text, said in ENDS:
+        with open(name, "w", encoding="utf-8") as file:
+            file.write(text)
+        done = subprocess.run([os.path.join(BIN, program), name], capture_output=True, text=True, check=False,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (10, 10)))
+        check("ends: " + said, done.returncode == 1, (done.returncode, done.stderr))
+        check("said: " + said, said in done.stderr, done.stderr)
+        check("no number that is none: " + said, "nan" not in (done.stdout + done.stderr).lower(), done.stderr)
+
+
 def doubts(place):
     name = os.path.join(place, "case.nml")
     for cases, wanted in ((DOUBTS, True), (SILENT, False)):
@@ -350,6 +400,7 @@ def main():
         for written in os.listdir(place):
             os.remove(os.path.join(place, written))
         doubts(place)
+        ends(place)
     return report()
 
 
