@@ -233,7 +233,8 @@ fi
 if part device7; then
 # device 7 is a data set that gives the same digits
 for f in needle_search suspension textile brake_reaction actuator_davis_steering dyad1_crank_rocker line6; do
-    "$psalm" --quiet $f.nml >first.lst
+    # the part datasets has run them
+    if [ -e "$f.lst" ]; then cp "$f.lst" first.lst; else "$psalm" --quiet $f.nml >first.lst; fi
     cp $f.dev7 again.nml
     status 0 "$f: device 7 is a case" "$psalm" --quiet again.nml
     # what a search found has its margins and the proof of its motion as well
@@ -407,8 +408,10 @@ fi
 
 if part solvers; then
 # poses: point and angle together
-cp "$data/door_five_poses.nml" . && status 0 'five poses of a door' "$psalm" --quiet door_five_poses.nml
-cp out door_five_poses.lst
+if [ ! -e door_five_poses.lst ]; then    # the part datasets has run it
+    cp "$data/door_five_poses.nml" . && status 0 'five poses of a door' "$psalm" --quiet door_five_poses.nml
+    cp out door_five_poses.lst
+fi
 at_most 'five poses of a door: hundredths of a millimetre' door_five_poses.lst 0.01
 check 'a pose has three columns' grep -qx '# input closed actual_x actual_y actual_angle desired_x desired_y desired_angle' door_five_poses.dev9
 changed door_five_poses.nml 's/DESANG=.*ANMULT/ANMULT/' >noangle.nml
@@ -451,7 +454,7 @@ awk '/^! rank 2/ { exit } { sub(/LAST=0/, "LAST=1"); print }' turn.dev7 >best.nm
 changed best.nml 's/NDES=20,/IKIN=1,/' '/DELT=/,/^! IVA/{/^! IVA/!d}' >whole.nml
 status 0 'IRANGE=2: every degree of the turn obeys' "$psalm" whole.nml
 check 'IRANGE=2: 360 positions' test "$(grep -cE '^ +[0-9.]+ +[0-9.D+-]+$' out)" -ge 355
-{ changed path5.nml 's/TANGLE=90.0/TANGLE=50.0/'
+{ changed path5.nml 's/TANGLE=90.0/TANGLE=50.0/' 's/NSTART=500/NSTART=100/'
   echo ' &CONSTR IRANGE=2, NREGN=2, RKIND=1,-3, RLINK=2,0, RLOOP=1,0, RPLACE=2.0,2.0,8.0,8.0,3.0,3.0,2.5 &END'; } >region.nml
 status 0 'forbidden regions' "$psalm" region.nml
 check 'forbidden regions: margins' grep -q '^ REGION 2, OUTPUT POINT' out
