@@ -107,7 +107,7 @@ def build(work):
     objects = []
     for name in in_order(own, own):
         target = os.path.join(work, name + ".o")
-        done = run(["gfortran", "-O1", "-fopenmp", *warnings, "-J", work, "-I", os.path.join(prefix, "include"), "-c", own[name][0],
+        done = run(["gfortran", "-O0", "-fopenmp", *warnings, "-J", work, "-I", os.path.join(prefix, "include"), "-c", own[name][0],
                     "-o", target])
         tally.check("compiles: %s" % name, done.returncode == 0, done.stderr[:600])
         objects.append(target)
@@ -126,15 +126,15 @@ def build(work):
     for path in sorted(glob.glob(os.path.join(bench, "app", "*.f90"))):
         name = os.path.basename(path)[:-4]
         programs[name] = os.path.join(work, name)
-        done = run(["gfortran", "-O1", "-fopenmp", *warnings, "-J", work, "-I", work, "-I", os.path.join(prefix, "include"), path, *objects,
+        done = run(["gfortran", "-O0", "-fopenmp", *warnings, "-J", work, "-I", work, "-I", os.path.join(prefix, "include"), path, *objects,
                     library, "-lnlopt", "-llapack", "-lblas", *gsl, "-lm", "-o", programs[name]])
         tally.check("builds: bench/app/%s.f90" % name, done.returncode == 0, done.stderr[:600])
-    done = run(["gfortran", "-O1", "-fopenmp", *warnings, "-J", work, "-I", os.path.join(prefix, "include"),
+    done = run(["gfortran", "-O0", "-fopenmp", *warnings, "-J", work, "-I", os.path.join(prefix, "include"),
                 os.path.join(bench, "exact.f90"), library, "-lnlopt", "-llapack", "-lblas", "-o", os.path.join(work, "exact")])
     tally.check("builds: bench/exact.f90", done.returncode == 0, done.stderr[:600])
     programs["exact"] = os.path.join(work, "exact")
     for name in ("generic_start", "nine_points_start"):
-        done = run(["gfortran", "-O1", "-fopenmp", *warnings, "-J", work, "-I", os.path.join(prefix, "include"),
+        done = run(["gfortran", "-O0", "-fopenmp", *warnings, "-J", work, "-I", os.path.join(prefix, "include"),
                     os.path.join(top, "tools", name + ".f90"), library, "-lnlopt", "-llapack", "-lblas", "-o", os.path.join(work, name)])
         tally.check("builds: tools/%s.f90" % name, done.returncode == 0, done.stderr[:600])
     with open("/proc/cpuinfo", encoding="utf-8") as f:
