@@ -12,6 +12,7 @@ what was found. --show prints what the programs say to the fields of --only. Las
 import argparse
 import cmath
 import csv
+import functools
 import math
 import os
 import re
@@ -106,17 +107,29 @@ def floating(stroke, scale=1.0):
     return four_bar(root(lambda turn: gap(turn) - gap(0.0), stroke - gap(0.0)), scale, FLOAT)
 
 
+def left_rocker(turn, scale, x):
+    """Of the six-bar: how far its left rocker has turned when the rod, longer by `scale`, reaches the crank; sought from x on."""
+    rod, end = abs(SIX["E"] - SIX["P"]), turned(SIX, "F", "E", turn)
+
+    def gap(left):
+        return abs(end - four_bar(left, drawn=SIX)["P"]) - rod*scale
+
+    for _ in range(60):
+        step = gap(x)*2e-4/(gap(x + 1e-4) - gap(x - 1e-4))
+        x -= max(-2.0, min(2.0, step))
+        if abs(step) < 1e-12:
+            break
+    return x
+
+
+@functools.cache
+def followed(twos, scale):
+    """The left rocker followed along the turn of the crank E, by two degrees at a time."""
+    return left_rocker(2.0*twos, scale, followed(twos - (1 if twos > 0 else -1), scale) if twos else 0.0)
+
+
 def six_bar(turn, scale=1.0):
-    """Followed along the turn of the crank E: the left rocker that gives the rod its length, longer by `scale`."""
-    rod, x, steps = abs(SIX["E"] - SIX["P"]), 0.0, max(2, math.ceil(abs(turn)/2.0))
-    for k in range(steps + 1):
-        end = turned(SIX, "F", "E", turn*k/steps)
-        gap = lambda left: abs(end - four_bar(left, drawn=SIX)["P"]) - rod*scale
-        for _ in range(60):
-            step = gap(x)*2e-4/(gap(x + 1e-4) - gap(x - 1e-4))
-            x -= max(-2.0, min(2.0, step))
-            if abs(step) < 1e-12:
-                break
+    x = left_rocker(turn, scale, followed(int(turn/2.0), scale))
     return dict(four_bar(x, drawn=SIX), E=turned(SIX, "F", "E", turn))
 
 
