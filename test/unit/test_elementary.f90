@@ -225,7 +225,7 @@ contains
 
    !> The suite's own functions in quadruple precision.
    subroutine quadruple()
-      integer, parameter :: count = 20000
+      integer, parameter :: count = 5000
       real(qp), parameter :: allowed = 9.0_qp     !! units; those of the reference's angle, up to 6.3 radians, are most of it
       real(qp) :: turned, x, y, value, worst(6)
       complex(qp) :: z
