@@ -139,7 +139,11 @@ contains
       count = 0
       if (present(steps)) allocate (steps(0))
       if (.not. (h1 > 0.0_wp .and. h3 >= 0.0_wp .and. h3 < 1.0_wp)) return
-      contact = passing_contact_t(tolerance=tolerance, cube=h1**3, h3=h3, cosine=cos(h2), sine=sin(h2))
+      contact%tolerance = tolerance
+      contact%cube = h1**3
+      contact%h3 = h3
+      contact%cosine = cos(h2)
+      contact%sine = sin(h2)
       if (present(passing)) passing = contact
       last = min(last_time, 0.5_wp*settling + settling/h1)
       t = first_time

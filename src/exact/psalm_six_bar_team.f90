@@ -89,7 +89,7 @@ contains
                steps = steps + own
             end if
             !$omp atomic capture
-            done = done + last - first + 1
+            done = done + (last - first + 1)
             so_far = done
             !$omp end atomic
             ! hosts are informed from their own thread
