@@ -463,6 +463,7 @@ contains
       type(walk_t), intent(inout) :: walk
       type(correction_t), intent(out) :: found
       logical, intent(out) :: reached
+      type(walk_t) :: stands
       real(wp) :: offset, other(1)
       logical :: valid
 
@@ -473,6 +474,16 @@ contains
          walk%offset = 0.0_wp
          call step_to(self, k, i, inputs, walk, found, reached)
          if (.not. reached) call walk_to(self, k, i, inputs, walk, found, reached)
+      end if
+      if (.not. reached .and. size(inputs) > 1 .and. walk%last > 0 .and. .not. allocated(self%from)) then
+         ! of several inputs the way from the drawing is another one
+         stands = walk
+         call start(self, k, walk, valid)
+         call step_to(self, k, i, inputs, walk, found, reached)
+         if (.not. reached) call walk_to(self, k, i, inputs, walk, found, reached)
+         if (reached) return
+         walk = stands
+         call go_back(self, k, walk)
       end if
       ! wheels stand elsewhere after a turn
       if (reached .or. self%one_way .or. self%sliding_input .or. self%tied .or. size(inputs) > 1 .or. allocated(self%from)) return
