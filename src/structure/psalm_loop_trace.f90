@@ -341,7 +341,7 @@ contains
             anchor = closure%sketch%links(frame_link)%joints(1)
          loops%start = foot_of(line, z(dyad%joint(1)), anchor, frame_link)
          tracing%passes = tracing%passes + 1
-         tracing%pass(:, tracing%passes) = [loops%start, dyad%joint(1), 1]
+         tracing%pass(:, tracing%passes) = [loops%start, dyad%joint(1), 1, 0]
       end subroutine place_actuator
 
       ! ---- arcs
