@@ -18,8 +18,8 @@ module psalm_flex_group
 
    integer, parameter :: fewest_points = 16    !! of a turn: parts of it that the solution is joined from
    real(wp), parameter :: usual_poisson = 0.3_wp !! of metals
-   real(wp), parameter :: most_depth = 1000.0_wp !! of a section, in radii of gyration: of a fin as thin as a hair, 100
-   real(wp), parameter :: written = 1.0e-3_wp    !! part by which a radius of gyration may be rounded
+   real(wp), parameter :: most_depth = 1000.0_wp !! of a section, in radii of gyration; of a rectangle it is 3.5
+   real(wp), parameter :: rounded = 1.0e-3_wp    !! part by which a radius of gyration may be too large as written
 
    !> A cross section of a beam.
    type :: section_of_beam_t
@@ -83,7 +83,8 @@ module psalm_flex_group
       rule_t('XRHO', a_number, '1 to NXSEG', 'kg/m3', 'required', '(0,)', &
              'density'), &
       rule_t('XDEPTH', a_number, '1 to NXSEG', 'm', '', '(0,)', &
-             'depth of the section in the plane of motion, at the start; with the area it is for stresses alone'), &
+             'depth of the section in the plane of motion, at the start; with the area it is for stresses alone, '// &
+             'and from 2 to 1000 times the radius of gyration'), &
       rule_t('XWIDTH', a_number, '1 to NXSEG', 'm', '', '(0,)', &
              'rectangular section: width at the start'), &
       rule_t('XAREA', a_number, '1 to NXSEG', 'm2', '', '(0,)', &
@@ -220,7 +221,7 @@ contains
          do e = 1, 2
             if (.not. group%given(letters(e)//'DEPTH')) cycle
             do k = 1, n
-               if (values(k, 1, e) < 2.0_wp*values(k, 4, e)*(1.0_wp - written)) then
+               if (values(k, 1, e) < 2.0_wp*values(k, 4, e)*(1.0_wp - rounded)) then
                   call out_of(group, letters(e)//'DEPTH', 'no section of this depth has that radius of gyration: it is at most '// &
                               'half of the depth', findings, k)
                else if (values(k, 1, e) > most_depth*values(k, 4, e)) then

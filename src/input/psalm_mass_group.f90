@@ -54,10 +54,10 @@ module psalm_mass_group
              'frame are found'), &
       rule_t('MINERT', a_number, 'NMASS', 'kg m2', '0', '', &
              'moment of inertia about the entry''s own centre of mass; without a mass it is a flywheel'), &
-      rule_t('UNITL', a_number, '', 'm', '1', '(0,)', &
+      rule_t('UNITL', a_number, '', 'm', '1', '[1e-30,1e30]', &
              'metres in one unit of length: 0.001 if lengths are millimetres; a warning where it is missing and '// &
              'the linkage more than 20 units large', &
-             'metres in one unit of length: must be above 0'), &
+             'metres in one unit of length: must be above 0, from 1e-30 to 1e30'), &
       rule_t('GRAVX', a_number, '', 'm/s2', '0', '', &
              'gravity along the machine''s x axis'), &
       rule_t('GRAVY', a_number, '', 'm/s2', '0', '', &
