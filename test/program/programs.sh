@@ -917,7 +917,8 @@ status 0 '--help' "$psalm" --help
 check '--help tells the exit status' grep -q 'Exit status' out
 status 0 '--version' "$psalm" --version
 check '--version' grep -qE '^psalm [0-9]+\.[0-9]+\.[0-9]+$' out
-check '--version: what it was built from' grep -qE '^commit ([0-9a-f]{12}(, changed since)?|not known), GCC version .*, instruction set [a-z0-9-]+$' out
+check '--version: what it was built from' grep -qE "^commit ([0-9a-f]{12}(, changed since)?|not known), (GCC version .*, instruction set \
+[a-z0-9-]+|[A-Za-z ]*flang version .*, instruction set the compiler's default)\$" out
 fi
 
 echo "$passed passed, $failed failed, $skipped skipped"
