@@ -139,6 +139,7 @@ contains
       count = 0
       if (present(steps)) allocate (steps(0))
       if (.not. (h1 > 0.0_wp .and. h3 >= 0.0_wp .and. h3 < 1.0_wp)) return
+      ! flang 19 breaks off at a constructor that names a component of ode_t, two types up
       contact%tolerance = tolerance
       contact%cube = h1**3
       contact%h3 = h3
@@ -191,6 +192,7 @@ contains
 
    contains
 
+      !> Append a step to `steps`, which doubles where it is full.
       subroutine keep(passed_step)
          type(passed_step_t), intent(in) :: passed_step
          type(passed_step_t), allocatable :: longer(:)

@@ -88,6 +88,7 @@ contains
             else
                steps = steps + own
             end if
+            ! (flang 19 takes only one sum here)
             !$omp atomic capture
             done = done + (last - first + 1)
             so_far = done

@@ -83,8 +83,8 @@ contains
       type(rates_t) :: rates
       type(forces_t) :: forces
       real(wp), allocatable :: grips(:, :)       ! (position, entry): as `rub` has them
-      real(wp), allocatable :: balance(:, :, :)  ! (position, force and moment about the store's origin, body): all but what
-                                                 ! rods do to their barrels
+      ! all but what rods do to their barrels: (position, force and moment about the store's origin, body)
+      real(wp), allocatable :: balance(:, :, :)
       integer :: block, offset, n, m, source, k, b
 
       call prepare_rates(problem, rates)

@@ -472,15 +472,13 @@ contains
          ! from the drawing where that is nearer: the shorter the way, the fewer places to go astray
          if (abs(walk%offset) > 0.0_wp .or. is_nearer_to_drawing(self, walk, inputs)) call start(self, k, walk, valid)
          walk%offset = 0.0_wp
-         call step_to(self, k, i, inputs, walk, found, reached)
-         if (.not. reached) call walk_to(self, k, i, inputs, walk, found, reached)
+         call go_to(self, k, i, inputs, walk, found, reached)
       end if
       if (.not. reached .and. size(inputs) > 1 .and. walk%last > 0 .and. .not. allocated(self%from)) then
          ! of several inputs the way from the drawing is another one
          stands = walk
          call start(self, k, walk, valid)
-         call step_to(self, k, i, inputs, walk, found, reached)
-         if (.not. reached) call walk_to(self, k, i, inputs, walk, found, reached)
+         call go_to(self, k, i, inputs, walk, found, reached)
          if (reached) return
          walk = stands
          call go_back(self, k, walk)
@@ -492,9 +490,21 @@ contains
       if (.not. is_open(walk, other)) return
       if (abs(walk%offset - offset) > 0.0_wp) call start(self, k, walk, valid)
       walk%offset = offset
-      call step_to(self, k, i, other, walk, found, reached)
-      if (.not. reached) call walk_to(self, k, i, other, walk, found, reached)
+      call go_to(self, k, i, other, walk, found, reached)
    end subroutine reach
+
+   !> From where the walk stands: at once, else in steps.
+   pure subroutine go_to(self, k, i, target, walk, found, reached)
+      class(linkage_t), intent(inout) :: self
+      integer, intent(in) :: k, i
+      real(wp), intent(in) :: target(:)
+      type(walk_t), intent(inout) :: walk
+      type(correction_t), intent(inout) :: found
+      logical, intent(out) :: reached
+
+      call step_to(self, k, i, target, walk, found, reached)
+      if (.not. reached) call walk_to(self, k, i, target, walk, found, reached)
+   end subroutine go_to
 
    !> True if the drawing is nearer to a target than where the walk stands.
    pure logical function is_nearer_to_drawing(self, walk, target)
@@ -683,7 +693,7 @@ contains
          longest = min(1.0_wp, farthest_input/max(abs(to(1) - from(1)), tiny(1.0_wp)))
       step = longest
       do while (way < 1.0_wp)
-         ! also where every step is good, but so short that there is no end of them
+         ! every step may be good, but too short
          if (step < longest .and. tries > most_tries) return
          step = min(step, 1.0_wp - way)
          do

@@ -469,26 +469,26 @@ contains
                set%sketch%drives(d)%ratio*study%drives(row, 1, 0) + set%sketch%drives(d)%phase
          end do
          associate (shown => chart%shown)
-         call chart%solve_shown(moving%motion, state)
-         if (set%has_names()) then
-            call observe_sketch(chart%sketch, shown, chart%rates, 1, 1.0_wp, 0.0_wp, places, moved)
-            if (allocated(chart%travelled)) moved(:, 0, 1) = moved(:, 0, 1) + chart%travelled
-            study%sketch%joints(:, :, row) = places(:size(study%sketch%joints, 1), :, 1)
-            largest = 0.0_wp
-            do r = 1, size(shown%linkage%root_x)
-               largest(1) = max(largest(1), abs(chart%rates%d(1)%v(1, shown%linkage%root_x(r))))
-            end do
-            largest(2) = max(maxval(abs(study%sketch%joints(:, 1, row))), maxval(abs(moved(:, 1, 1))))
-            call values_of_outputs(set%sketch%outputs, study%sketch%joints(:, :, row), moved(:, :, 1), largest, &
-                                   study%sketch%values(:, :, row))
-         else
-            call shown%output_of(1)
-            call output_rates(shown, chart%rates, 1, rates_shown, values)
-            do c = 1, size(study%output, 2)
-               study%output(row, c, 0) = shown%output%actual(c, 1, shown%linkage)
-               study%output(row, c, 1:) = values(:rates_shown, c)
-            end do
-         end if
+            call chart%solve_shown(moving%motion, state)
+            if (set%has_names()) then
+               call observe_sketch(chart%sketch, shown, chart%rates, 1, 1.0_wp, 0.0_wp, places, moved)
+               if (allocated(chart%travelled)) moved(:, 0, 1) = moved(:, 0, 1) + chart%travelled
+               study%sketch%joints(:, :, row) = places(:size(study%sketch%joints, 1), :, 1)
+               largest = 0.0_wp
+               do r = 1, size(shown%linkage%root_x)
+                  largest(1) = max(largest(1), abs(chart%rates%d(1)%v(1, shown%linkage%root_x(r))))
+               end do
+               largest(2) = max(maxval(abs(study%sketch%joints(:, 1, row))), maxval(abs(moved(:, 1, 1))))
+               call values_of_outputs(set%sketch%outputs, study%sketch%joints(:, :, row), moved(:, :, 1), largest, &
+                                      study%sketch%values(:, :, row))
+            else
+               call shown%output_of(1)
+               call output_rates(shown, chart%rates, 1, rates_shown, values)
+               do c = 1, size(study%output, 2)
+                  study%output(row, c, 0) = shown%output%actual(c, 1, shown%linkage)
+                  study%output(row, c, 1:) = values(:rates_shown, c)
+               end do
+            end if
          end associate
          associate (table => study%forces%table)
             table%value(row, :) = chart%columns_of_case(given%mechanism, study%free, state)

@@ -977,8 +977,8 @@ def angular(sketch, column):
 
 
 def meets_dead_point(case, row):
-    """Is the inverse without bound somewhere on the straight way from the drawing? Two motions cross there, as in a parallelogram, and
-    the solver went past it along one of them; psalm asks for another way."""
+    """Is the inverse without bound somewhere on the straight way from the drawing? Two motions cross there, as in a parallelogram: the
+    solver goes on along one of them, and psalm stops."""
     norm_at = lambda part: case.model.follow(case.state, case.zero, [part*r for r in row])[2]
     parts = 400
     norms = [norm_at(k/parts) for k in range(parts + 1)]

@@ -52,6 +52,7 @@ def error(row, exact, angle):
 
 
 def run(program, case, folder):
+    os.makedirs(folder, exist_ok=True)
     subprocess.run([program, "--quiet", "--output-dir", folder, case], stdout=subprocess.DEVNULL, check=False)
     return rows(os.path.join(folder, os.path.splitext(os.path.basename(case))[0] + ".dev9"))
 

@@ -15,6 +15,7 @@ getcontext().prec = 40
 
 
 def columns(program, case, suffix, folder):
+    os.makedirs(folder, exist_ok=True)
     subprocess.run([program, "--quiet", "--output-dir", folder, case], stdout=subprocess.DEVNULL, check=False)
     names, table = [], []
     with open(os.path.join(folder, os.path.splitext(os.path.basename(case))[0] + suffix + ".dev9"), encoding="utf-8") as text:

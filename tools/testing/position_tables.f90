@@ -33,7 +33,6 @@ program position_tables
    stem = stem(:len(stem) - len('.nml'))
    with_rates = name_of(argument(0)) == 'kalm'
    suffix = trim(merge('.kalm.dev9', '.dev9     ', with_rates))
-   call execute_command_line('mkdir -p "'//folder//'"')
    call read_cases(file, sets, findings, trim(merge('kalm ', 'psalm', with_rates)))
    if (findings%failed()) error stop 'the case cannot be read'
    do i = 1, size(sets)
