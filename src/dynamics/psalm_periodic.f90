@@ -96,7 +96,7 @@ contains
       integer, intent(in) :: count
       real(wp), intent(in), optional :: shift !! in parts of the spacing; 0 if not given
       real(wp) :: v(count)
-      complex(wp) :: roots(0:count - 1), c
+      complex(wp) :: roots(0:count - 1), c, r
       real(wp) :: ahead
       integer :: i, n
 
@@ -107,9 +107,8 @@ contains
       do n = 1, self%highest()
          c = 2.0_wp*self%c(n)*unit(real(n, wp)*ahead/real(count, wp))
          do i = 0, count - 1
-            associate (r => roots(modulo_product(i, n, count)))
-               v(i + 1) = v(i + 1) + (real(c, wp)*real(r, wp) - aimag(c)*aimag(r))
-            end associate
+            r = roots(modulo_product(i, n, count))
+            v(i + 1) = v(i + 1) + (real(c, wp)*real(r, wp) - aimag(c)*aimag(r))
          end do
       end do
    end function values

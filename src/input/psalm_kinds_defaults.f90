@@ -93,10 +93,11 @@ contains
       type(case_text_t), intent(in) :: case          !! has the group
       character(*), intent(in) :: item
       character(:), allocatable :: word
-      integer :: k
+      integer :: k, place
 
       word = ''
-      associate (group => case%groups(place_of(case, 'KINDS')))
+      place = place_of(case, 'KINDS')
+      associate (group => case%groups(place))
          do k = 1, group%count
             if (group%items(k)%name == item .and. group%items(k)%count > 0) &
                word = upper_case(group%text_of(group%values(group%items(k)%first)))

@@ -108,12 +108,13 @@ contains
       character(:), allocatable :: line, turns
       type(table_t) :: table
       integer, allocatable :: known(:)
-      integer :: i, unproven, skipped
+      integer :: i, unproven, skipped, count
 
+      count = shown_of(set, study)
       call devices%six%add()
       call devices%six%add('  PROVEN OVER THE MOTION, CRANK ANGLES FROM THE FIRST POSITION')
       call devices%six%add('  RANK TURNS FULLY  CLOSES BETWEEN    CLOSES FROM             TO   TRANSMISSION')
-      associate (proofs => study%proofs(:shown_of(set, study)))
+      associate (proofs => study%proofs(:count))
          known = pack([(i, i=1, size(proofs))], proofs%known)
       end associate
       table = table_of('exact_proof', 'a row for each result whose motion is proven', notes=set%title)
@@ -128,7 +129,7 @@ contains
       call devices%cases(devices%last_case())%put(table)
       unproven = 0
       skipped = 0
-      do i = 1, shown_of(set, study)
+      do i = 1, count
          associate (own => study%proofs(i))
             if (.not. own%closes) unproven = unproven + 1
             if (own%known) then

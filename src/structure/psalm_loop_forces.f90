@@ -93,10 +93,12 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(place_t), intent(in) :: place
       real(wp) :: unused(2)
+      integer :: n
 
       is_on_link = place%link == frame_link
       if (is_on_link .or. place%loop == 0) return
-      associate (arc => mechanism%arcs(mechanism%seq(place%loop, place%arc)), &
+      n = mechanism%seq(place%loop, place%arc)
+      associate (arc => mechanism%arcs(n), &
                  end => merge(at_start, at_finish, place%from_start))
          is_on_link = link_of_body(mechanism, arc%body) == place%link .and. arc%attached .and. &
                       (arc%foot /= end .or. arc%rod > 0)
