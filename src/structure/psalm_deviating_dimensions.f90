@@ -9,7 +9,7 @@ module psalm_deviating_dimensions
    use psalm_tolerance_group, only: tolerance_group_t
    implicit none (type, external)
    private
-   public :: deviating_dimensions, tolerance_of
+   public :: deviating_dimensions, tolerance_of, tolerances_apart
 
 contains
 
@@ -51,6 +51,22 @@ contains
 
       tolerance = tolerance_of_kind(set, toler, variable%kind, variable%loop, variable%arc)
    end function tolerance_of
+
+   !> Tolerances of the distances and angles, in turn, of joints of a sketch that stand off the arcs. The one that the output arc
+   !> ends at has those of that arc.
+   pure function tolerances_apart(set, toler, joints, listed) result(tolerances)
+      type(data_set_t), intent(in) :: set
+      type(tolerance_group_t), intent(in) :: toler     !! of the case, or in their place
+      integer, intent(in) :: joints                    !! how many
+      integer, intent(in) :: listed                    !! which of them the output arc ends at; 0: none
+      real(wp) :: tolerances(2*joints)
+
+      tolerances(1::2) = toler%tollen
+      tolerances(2::2) = toler%tolang
+      if (listed == 0) return
+      tolerances(2*listed - 1) = tolerance_of_kind(set, toler, variable_outlk)
+      tolerances(2*listed) = tolerance_of_kind(set, toler, variable_outang)
+   end function tolerances_apart
 
    !> Tolerance of a kind of dimension, of arcs that of one arc. Of a sketch one for all lengths and one for all angles.
    pure real(wp) function tolerance_of_kind(set, toler, kind, loop, place) result(tolerance)

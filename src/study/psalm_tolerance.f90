@@ -28,7 +28,7 @@ module psalm_tolerance
    use psalm_sketch, only: sketch_t, sketch_output_t, output_angle, output_pose, output_ratio, columns_of
    use psalm_sketch_motion, only: find_places
    use psalm_sketch_outputs, only: names_of_numbers, name_length, values_of_outputs
-   use psalm_deviating_dimensions, only: deviating_dimensions, tolerance_of
+   use psalm_deviating_dimensions, only: deviating_dimensions, tolerance_of, tolerances_apart
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: parameters_t, variable_t, no_parameters, name_of, variable_crnki, variable_length, variable_gama, &
@@ -252,7 +252,7 @@ contains
          call names_of_numbers(wanted%outputs, result%bands%names, turning, wanted%angle)
          wanted%numbers = size(result%bands%names)
          call find_jacobian(deviating%problem, dimensions, work, result%effect, wanted=wanted)
-         call make_bands(toler, result%tolerance, wanted, result%bands)
+         call make_bands(set, toler, result%tolerance, dimensions, wanted, result%bands)
          call prepare_sampled(set, dimensions, wanted, result%bands, deviating)
       else
          call find_jacobian(deviating%problem, dimensions, work, result%effect)
@@ -276,15 +276,18 @@ contains
    end subroutine find_tolerances
 
    !> Bands of all outputs from their changes with every dimension.
-   subroutine make_bands(toler, tolerance, wanted, bands)
+   subroutine make_bands(set, toler, tolerance, dimensions, wanted, bands)
+      type(data_set_t), intent(in) :: set
       type(tolerance_group_t), intent(in) :: toler
       real(wp), intent(in) :: tolerance(:)         !! shape (nvar)
+      type(dimensions_t), intent(in) :: dimensions
       type(wanted_outputs_t), intent(in) :: wanted
       type(output_bands_t), intent(inout) :: bands
       real(wp), allocatable :: all_tolerances(:), effect(:, :, :)
       integer :: column, k, n
 
-      bands%of_apart = [([toler%tollen, toler%tolang], k=1, size(wanted%apart))]
+      bands%apart = wanted%sketch%moving(wanted%apart)%joint
+      bands%of_apart = tolerances_apart(set, toler, size(bands%apart), listed_of(set, dimensions, bands%apart))
       all_tolerances = [tolerance, bands%of_apart]
       bands%change = wanted%change
       bands%turns = wanted%angle
@@ -295,7 +298,6 @@ contains
       bands%worst = sum(abs(effect), dim=2)
       bands%square = sqrt(sum(effect**2, dim=2))
       bands%effect = maxval(abs(effect), dim=1)
-      bands%apart = wanted%sketch%moving(wanted%apart)%joint
       allocate (bands%known(size(bands%names)), source=.true.)
       n = 0
       do k = 1, size(wanted%outputs)
@@ -491,7 +493,7 @@ contains
       type(parameters_t) :: parameters
       type(sketch_motion_t) :: sketch
       integer, allocatable :: apart(:), list(:)
-      integer :: k, v
+      integer :: listed, v
 
       toler = tolerances_of(set, 1.0_wp)
       parameters = deviating_dimensions(set, toler, mechanism)
@@ -500,8 +502,9 @@ contains
          call locate_sketch(set, sketch, dimensions)
          apart = pack(sketch%moving%joint, abs(sketch%moving%offset) > 0.0_wp)
       end if
+      listed = listed_of(set, dimensions, apart)
       list = allotted_columns([(tolerance_of(set, toler, parameters%variables(v)), v=1, size(parameters%variables))], &
-                              listed_of(set, dimensions, apart), [([toler%tollen, toler%tolang], k=1, size(apart))])
+                              listed, tolerances_apart(set, toler, size(apart), listed))
       names = names_of_tolerances(set%sketch, parameters%variables, apart)
       names = names(list)
       is_angle = angles_of(parameters%variables, size(apart), mechanism%sliding_input)

@@ -6,11 +6,11 @@
 !> the exact s_v. Near a dead point s_v grows without bound: deviations d = s_v t_v are taken as d/(1 + (d/c)**4)**(1/4), c a tenth
 !> of the size of the linkage or of a radian, and where the linkage does not close as c. Further outputs of a sketch with desired
 !> values have residuals in the same way, of the weights of these values; of joints off the lines of their links distance and angle
-!> deviate by TOLLEN and TOLANG.
+!> deviate by TOLLEN and TOLANG, of the one that the output arc ends at by the tolerances of that arc.
 module psalm_tolerance_spread
    use psalm_angles, only: unit_vector
    use psalm_data_set, only: data_set_t
-   use psalm_deviating_dimensions, only: deviating_dimensions, tolerance_of
+   use psalm_deviating_dimensions, only: deviating_dimensions, tolerance_of, tolerances_apart
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_joint_location, only: locate_sketch
@@ -162,7 +162,8 @@ contains
       type(target_column_t), allocatable :: columns(:)
       character(name_length), allocatable :: names(:)
       logical, allocatable :: turning(:)
-      integer :: k, v
+      integer, allocatable :: apart(:)
+      integer :: listed, k, v
 
       allocate (spread%wanted)
       call locate_sketch(set, spread%wanted%sketch, problem%given)
@@ -175,8 +176,11 @@ contains
       associate (moving => spread%wanted%sketch%moving)
          do k = 1, size(moving)
             if (moving(k)%joint == set%traced%output_joint .and. problem%given%outlk > 0.0_wp) spread%shown = k
-            if (abs(moving(k)%offset) > 0.0_wp) spread%tolerance = [spread%tolerance, set%toler%tollen, set%toler%tolang]
          end do
+         apart = pack(moving%joint, abs(moving%offset) > 0.0_wp)
+         listed = 0
+         if (spread%shown > 0) listed = findloc(apart, moving(spread%shown)%joint, dim=1)
+         spread%tolerance = [spread%tolerance, tolerances_apart(set, set%toler, size(apart), listed)]
          allocate (spread%aside(0))
          do v = 1, size(problem%parameters%variables)
             associate (variable => problem%parameters%variables(v))

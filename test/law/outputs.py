@@ -255,6 +255,28 @@ def no_other_joint(programs, work):
           done.stderr, done.stderr)
 
 
+def bands_of_the_output_arc(programs, work):
+    """Length and angle of the arc that the point of the outputs lies on deviate by their own tolerances, whatever output is first: P goes
+    along B P and across it."""
+    for outputs in (("distance P D", "point P"), ("point P", "distance P D")):
+        for items, length, angle in (("TOLNAM='B P','angle B C B P', TOLVAL=0.1,0.2", 0.1, 0.2), ("TOLNAM='B P', TOLVAL=0.1", 0.1, 0.0),
+                                     ("TOLNAM='angle B C B P', TOLVAL=0.2", 0.0, 0.2)):
+            run = Run(programs, work, case(FOUR_BAR, outputs, "&METHOD IKIN=30", "&TOLER " + items))
+            bands = run.block("output_tolerances")
+            law = "%s first, %s: " % (outputs[0], items)
+            check(law + "all outputs have bands", all(name + ".worst_case" in bands for name in ("distance_P_D", "point_P.x", "point_P.y")), run.messages)
+            for k, row in enumerate(run.table):
+                at = {joint: complex(float(row[joint + ".x"]), float(row[joint + ".y"])) for joint in "BDP"}
+                along = at["P"] - at["B"]
+                moves = (length*along/abs(along), math.radians(angle)*along*1j)
+                away = at["P"] - at["D"]
+                for name, parts in (("distance_P_D", [(move*away.conjugate()).real/abs(away) for move in moves]),
+                                    ("point_P.x", [move.real for move in moves]), ("point_P.y", [move.imag for move in moves])):
+                    check(law + "worst case of " + name, abs(bands[name + ".worst_case"][k] - sum(map(abs, parts))) < 1e-12,
+                          (bands[name + ".worst_case"][k], parts))
+                    check(law + "root sum square of " + name, abs(bands[name + ".root_sum_square"][k] - math.hypot(*parts)) < 1e-12)
+
+
 def one_linkage_one_name(programs, work):
     """A search in poses tells a linkage by positive lengths and angles within half a turn, from whatever start it comes there."""
     seen = []
@@ -309,6 +331,7 @@ def main():
     with tempfile.TemporaryDirectory() as work:
         desired_poses(programs, work)
         no_other_joint(programs, work)
+        bands_of_the_output_arc(programs, work)
         one_linkage_one_name(programs, work)
         open_digits(programs, work)
         for head in (FOUR_BAR, SIX_BAR):

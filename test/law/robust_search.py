@@ -111,6 +111,21 @@ def both_ways(program, folder):
     tally.check("TOLOBJ changes the objective", one[3] > without[3]*1.001, (one, without))
 
 
+def by_name(program, folder):
+    """Tolerances of all lengths by their names are TOLLEN, also where another output than that of the arc is first; without that of the
+    arc the objective is less."""
+    text = re.sub("VARY=.*? &END", "VARY='length A B','length B C','length C D' &END", SKETCH % (
+        "'distance P D','point P', DES2=60,110,65,108,68,103,70,97,70,90", "1.0"), flags=re.S)
+    text = re.sub("DESX.*? &END", " &END", text)
+    all_alike, _ = linkage_of(program, folder, text)
+    found = {}
+    for names in ("'A B','B C','C D','A D'", "'A B','B C','C D','A D','B P'"):
+        count = names.count(",") + 1
+        found[count], _ = linkage_of(program, folder, text.replace("TOLLEN=0.5", "TOLNAM=%s, TOLVAL=%d*0.5" % (names, count)))
+    tally.check("TOLNAM of all lengths is TOLLEN", len(all_alike) == 4 and numpy.allclose(found[5], all_alike, rtol=1e-9), (found, all_alike))
+    tally.check("TOLNAM without the length of the output's arc", found[4][3] < 0.999*all_alike[3], (found, all_alike))
+
+
 def several_outputs(program, folder):
     """Deviations of every output with desired values are in the objective, each with its weight: of the point and of the rocker's angle, of
     the angle alone, of another point off the lines."""
@@ -173,6 +188,7 @@ def main():
     random = numpy.random.default_rng(41)
     with tempfile.TemporaryDirectory() as folder:
         both_ways(program, folder)
+        by_name(program, folder)
         several_outputs(program, folder)
         plain, at, _ = search(program, folder, 0.0, 1.0)
         for weight in (1.0, 10.0):
