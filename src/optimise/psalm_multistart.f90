@@ -22,6 +22,7 @@ module psalm_multistart
    integer, parameter :: most_rounds = 8           !! results of the rounds before are shown to the starts of the next
    integer, parameter :: least_of_round = 16       !! starts
    integer, parameter :: most_refinements = 64     !! times further results are searched on, because those before became one
+   integer, parameter :: most_strayed = 16         !! results that strayed, after which no further ones are searched on for others
 
    !> What one start led to.
    type :: candidate_t
@@ -34,6 +35,7 @@ module psalm_multistart
       logical :: refused = .false.         !! the solver refuses the problem
       logical :: settled = .false.         !! it was searched on, so far that it shows where it leads
       logical :: refined = .false.         !! to its end
+      logical :: strayed = .false.         !! to where results are not wanted; those that did not come before it
    end type candidate_t
 
    !> A member of the team: works by itself, on memory of its own.
@@ -265,7 +267,7 @@ contains
       type(stop_t), intent(in) :: stop                  !! asked now and then
       type(candidate_t), intent(inout) :: candidates(:)
       integer, allocatable, intent(inout) :: best(:)    !! by `make_all`; becomes the places of the results kept
-      logical, allocatable :: left(:)
+      logical, allocatable :: left(:), held(:)
       integer :: round, leader
 
       left = candidates%feasible
@@ -275,8 +277,11 @@ contains
          leader = minloc(candidates%objective, dim=1, mask=left)
          ! what differed may have become one: others are searched on in its place, to the end if they still differ when settled
          do round = 1, most_refinements
-            call keep_different(self, team(1), left, leader, candidates, best)
-            if (all(candidates(best)%refined) .or. stop%waiting()) exit
+            if (leader > 0) then
+               if (candidates(leader)%strayed) leader = 0
+            end if
+            call keep_different(self, team(1), left .and. .not. candidates%strayed, leader, candidates, best)
+            if (all(candidates(best)%refined) .or. stop%waiting() .or. count(candidates%strayed) > most_strayed) exit
             if (all(candidates(best)%settled)) then
                call refine_all(team, pack(best, .not. candidates(best)%refined), .true., stop, candidates)
             else
@@ -284,6 +289,8 @@ contains
             end if
          end do
          if (.not. stop%waiting()) left = left .and. candidates%refined
+         held = left .and. .not. candidates%strayed
+         if (any(held)) left = held
       end if
       call keep_different(self, team(1), left, leader, candidates, best)
    end subroutine finish
@@ -343,7 +350,7 @@ contains
       if (allocated(candidate%x)) x = candidate%x
       numbers = [candidate%objective, candidate%promise, real([candidate%evaluations, candidate%jacobians], wp), &
                  merge(1.0_wp, 0.0_wp, [candidate%done, candidate%feasible, candidate%refused, candidate%settled, &
-                                        candidate%refined]), x]
+                                        candidate%refined, candidate%strayed]), x]
    end function numbers_of
 
    !> End a batch of candidates and take those that others have made.
@@ -377,7 +384,8 @@ contains
       candidate%refused = numbers(7) > 0.0_wp
       candidate%settled = numbers(8) > 0.0_wp
       candidate%refined = numbers(9) > 0.0_wp
-      candidate%x = numbers(10:)
+      candidate%strayed = numbers(10) > 0.0_wp
+      candidate%x = numbers(11:)
    end subroutine take_numbers
 
    !> The least objective that starts came to; of a linkage that obeys not every constraint ten times as much and a handicap.

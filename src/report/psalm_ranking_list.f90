@@ -202,7 +202,7 @@ contains
       end do
    end subroutine list_default_bounds
 
-   !> Lengths of the best linkage at bounds that the data set did not give, in words; empty: there are none.
+   !> Lengths of the best linkage at bounds that the data set did not give, or beyond them, in words; empty: there are none.
    function bounds_reached(set, problem, found) result(words)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
@@ -210,9 +210,11 @@ contains
       character(:), allocatable :: words
       type(dimensions_t) :: dimensions
       real(wp) :: longest
+      logical :: beyond
       integer :: v
 
       words = ''
+      beyond = .false.
       dimensions = problem%given
       call problem%parameters%apply(found%best(1)%values, dimensions)
       longest = maxval(dimensions%arcl)
@@ -220,6 +222,7 @@ contains
          if (.not. found%by_default(v)) cycle
          associate (length => found%best(1)%values(v), low => found%low(v), high => found%high(v))
             if (length > low*(1.0_wp + at_bound) .and. length < high*(1.0_wp - at_bound)) cycle
+            if (length < low*(1.0_wp - at_bound) .or. length > high*(1.0_wp + at_bound)) beyond = .true.
             if (len(words) > 0) words = words//', '
             words = words//words_of(problem%parameters%variables(v))//' ('//plain_number(length)
             if (length > 0.0_wp .and. longest > length) &
@@ -228,8 +231,13 @@ contains
             words = words//')'
          end associate
       end do
-      if (len(words) > 0) words = 'at the bound that holds where none is given: '//words//'; set '// &
-                                   set%bound_items(' and ')
+      if (len(words) == 0) return
+      words = words//'; set '//set%bound_items(' and ')
+      if (beyond) then
+         words = 'beyond the bounds that hold where none are given, for no linkage found within them obeys: '//words
+      else
+         words = 'at the bound that holds where none is given: '//words
+      end if
    end function bounds_reached
 
    pure function weighed(pareto) result(words)

@@ -30,9 +30,9 @@ module psalm_search
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
-   public :: found_t, result_t, start_record_t, search_t, search_many, distance_of, place_desired, tell_apart
+   public :: found_t, result_t, start_record_t, search_t, search_many, distance_of, changes_of, place_desired, tell_apart
 
-   real(wp), parameter :: least_value = 1.0e-3_wp  !! of the first linkage: smaller ones do not tell relative changes
+   real(wp), parameter :: least_value = 1.0e-3_wp  !! of the first linkage: changes of smaller ones are relative to another value
    integer, parameter :: most_returns = 4          !! times a search goes back to work on what an inspection found
    real(wp), parameter :: rough = 1.0e-3_wp        !! relative gain of a step that ends the search of a start ...
    real(wp), parameter :: rough_free = 1.0e-5_wp   !! ... with free timing, whose valleys are long ...
@@ -133,6 +133,7 @@ module psalm_search
       logical :: free = .false.                   !! free timing
       logical, allocatable :: by_default(:)       !! as `result_t` has them
       real(wp), allocatable :: low(:), high(:), first(:)
+      real(wp), allocatable :: unit(:)            !! shape (nvar): what changes are relative to
       real(wp), allocatable :: delt(:)            !! shape (positions): those given
       type(multistart_t) :: rules
       type(stop_t) :: ending
@@ -217,6 +218,7 @@ contains
          end associate
       end select
       self%first = first
+      self%unit = changes_of(problem, first)
       self%delt = problem%delt
       call self%rules%make_all(self%team, self%ending, self%candidates, self%best, observer)
    end subroutine make_starts
@@ -388,7 +390,7 @@ contains
                if (self%free) found%delt = candidate%x(size(first) + 1:)
                found%objective = candidate%objective
                found%start = self%rules%number_of(self%best(i))
-               found%distance = distance_of(found%values, first)
+               found%distance = distance_of(found%values, first, self%unit)
             end associate
          end do
       end associate
@@ -406,11 +408,32 @@ contains
    end subroutine place_desired
 
    !> Distance of a linkage from the first one: the largest relative change of a value.
-   pure real(wp) function distance_of(values, first) result(distance)
+   pure real(wp) function distance_of(values, first, unit) result(distance)
       real(wp), intent(in) :: values(:), first(:)
+      real(wp), intent(in), optional :: unit(:)  !! what changes are relative to; without it the first value, or `least_value`
 
-      distance = maxval(abs(values - first)/max(abs(first), least_value))
+      if (present(unit)) then
+         distance = maxval(abs(values - first)/unit)
+      else
+         distance = maxval(abs(values - first)/max(abs(first), least_value))
+      end if
    end function distance_of
+
+   !> What changes of values are relative to: the value of the first linkage, of one that is zero the longest length, or a radian.
+   pure function changes_of(problem, first) result(unit)
+      type(problem_t), intent(in) :: problem
+      real(wp), intent(in) :: first(:)
+      real(wp) :: unit(size(first))
+      logical :: length(size(first))
+
+      associate (kind => problem%parameters%variables%kind)
+         length = kind == variable_length .or. kind == variable_outlk .or. kind == variable_origlk .or. &
+                  kind == variable_aside .or. (kind == variable_crnki .and. problem%mechanism%sliding_input)
+      end associate
+      unit = degrees_per_radian
+      where (length) unit = max(least_value, maxval(abs(first), mask=length))
+      where (abs(first) >= least_value) unit = abs(first)
+   end function changes_of
 
    !> What makes two linkages different: a length that differs by DIFFER of itself, an angle that differs by DIFFER radians; inputs
    !> of free timing do not.
@@ -1000,7 +1023,8 @@ contains
          ! a search that had to end before it began knows nothing of the linkage within the bounds
          if (worker%stop%waiting()) return
          ! where none obeys within the bounds the result stays as it is: it does
-         if (candidate%feasible .and. .not. held%feasible) return
+         candidate%strayed = candidate%feasible .and. .not. held%feasible
+         if (candidate%strayed) return
          call unwind(worker, values)
          candidate = held
          candidate%x = merit%point(values, merit%delt)

@@ -467,6 +467,50 @@ def test_remedy():
             ratio/float(found.group(3)) - 1.0) < 1e-3 and (found.group(2) == "length") == (right == "set VLOW and VHIGH")), (errors, lengths))
 
 
+STRAYED = """SIX-BAR WITH A DWELL OF 60 DEGREES
+ &CHAIN JNT='A','B','C','D','P','Q','F', JX=0,-10,60,80,40,120,160, JY=0,25,70,0,110,120,20,
+  LNK='A D F','A B','B C P','C D','P Q','Q F', VARY='A B','B C','C D','B P','angle B C B P','P Q','Q F','place F' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='angle F Q' &END
+ &METHOD NDES=8, DELT=0,10,20,30,40,50,60,200, DESANG=7*110,140 &END
+ &SEARCH SOLVER='LSQ', FIRST=%d, NSTART=%d, NBEST=2 &END
+ &CONSTR IRANGE=2 &END
+ &LIMITS TRMIN=30 &END
+"""
+
+
+def test_strayed():
+    """Start 6 leads to links of practically no length, beyond the bounds that hold where none are given, start 7 to a linkage within them:
+    the first is listed only if it is alone, and called what it is."""
+    for first, starts, within in ((6, 1, False), (6, 2, True)):
+        write("strayed.nml", STRAYED % (first, starts))
+        code, out, errors = psalm("strayed.nml")
+        lengths = dict(re.findall(r"^  (\w \w) +([\d.]+)$", out.split("LENGTHS BETWEEN JOINTS")[1].split(" ANGLES")[0], re.M))
+        bounds = re.findall(r"^  LENGTH (\w \w): (\S+) TO (\S+)$", out, re.M)
+        law = "strayed: starts from %d, %d: " % (first, starts)
+        check(law + "found", code == 0 and len(bounds) == 7, errors)
+        kept = all(0.9999*float(low) <= float(lengths[name]) <= 1.0001*float(high) for name, low, high in bounds)
+        check(law + "lengths within the bounds", kept == within, (lengths, bounds))
+        check(law + "what is said", ("beyond the bounds that hold where none are given" in errors) != within and
+              ("at the bound that holds where none is given" in errors) == within, errors)
+
+
+def test_change_of_zero():
+    """LARGEST CHANGE: of a variable that was zero, as the place of a pivot at the origin, the change relative to the longest length."""
+    text = changed(changed(SKETCH, "'C D' &END", "'C D', VARY='A B','B C','C D','B P','place A' &END"), "IKIN=5",
+                   "NDES=4, DELT=0,36,72,108, DESX=20,35,50,60, DESY=100,98,99,104")
+    write("zero.nml", text.rstrip() + "\n &SEARCH SOLVER='LSQ', NSTART=5, NBEST=2 &END\n")
+    code, out, errors = psalm("zero.nml")
+    lengths = dict(re.findall(r"^  (\w \w) +([\d.]+)$", out.split("LENGTHS BETWEEN JOINTS")[1].split(" ANGLES")[0], re.M))
+    place = [number(v) for v in re.search(r"ITS PIVOT.*\n +(\S+) +(\S+)", out).groups()]
+    given = {"A B": math.hypot(10, 25), "B C": math.hypot(70, 45), "C D": math.hypot(20, 70), "B P": math.hypot(50, 85)}
+    changes = [abs(float(lengths[name])/length - 1.0) for name, length in given.items()]
+    changes.append(math.hypot(*place)/max(given.values()))
+    listed = number(re.search(r"^ +1 .*$", out.split("LARGEST CHANGE")[1], re.M).group(0).split()[5])
+    angle = abs(math.atan2(place[1], place[0]))
+    check("largest change", code == 0 and any(abs(listed - v) < 1e-3*v for v in (max(changes), max(changes + [angle]))), (listed, changes, angle))
+
+
 # a pin and two slides turn with the crank: no loop has the pin J2 as a joint; and two loops begin at one pin of the frame, so that L3's
 # J5 has no way of arcs to its J2
 SLIDING = {
@@ -816,6 +860,8 @@ def main(programs):
         test_one_verdict()
         test_idle_items()
         test_remedy()
+        test_strayed()
+        test_change_of_zero()
         test_forces_on_slides()
         test_small_drawing()
         test_driven_slide()
