@@ -27,6 +27,7 @@ module psalm_exact_report
 
    integer, parameter :: valid_classes = 2           !! the first classes of psalm_defects: linkages without a defect
    integer, parameter :: samples = 21                !! positions of a generator with the least largest error
+   real(wp), parameter :: poor_transmission = 10.0_wp !! degrees, below which the best linkage is doubted
 
 contains
 
@@ -484,7 +485,8 @@ contains
          end if
          shown = shown_of(set, study)
          if (shown == 0 .and. study%flat > 0) then
-            call devices%remark(set, 'no linkage has a transmission angle of TRMIN or more: give a smaller one')
+            call devices%remark(set, 'no linkage has a transmission angle of TRMIN or more: give a smaller one, '// &
+                                'or search with these points as desired ones (IFREE=1), which keeps TRMIN')
             call devices%note_violation()
             return
          else if (shown == 0 .and. found%stopped) then
@@ -504,6 +506,11 @@ contains
          do i = 1, shown
             call six%add(rank_column(i)//word(found%results(i)%verdict%order, 6)//columns(1, i)//'  '//in_a_row(columns(2:, i)))
          end do
+         associate (least => found%results(1)%verdict%transmission)
+            if (least < poor_transmission .and. .not. exact%has_least_transmission) call devices%remark(set, 'the best linkage '// &
+               'has a transmission angle of'//in_sentence(.true., least)//' degrees: leave such ones out by TRMIN, or search '// &
+               'with these points as desired ones (IFREE=1), which keeps TRMIN')
+         end associate
          table = list_of(set)
          associate (results => found%results(:shown), verdicts => found%results(:shown)%verdict)
             call table%add('rank', [(i, i=1, shown)])

@@ -771,9 +771,11 @@ def subsets(folder):
            "YP=5.99,5.66,5.15,4.78,4.54,4.34,3.84,3.34,2.91,3.6 &END\n"
     points = [complex(*p) for p in zip((7.03, 6.77, 5.91, 4.93, 4.38, 3.76, 3.76, 3.8, 5.07, 6.41),
                                        (5.99, 5.66, 5.15, 4.78, 4.54, 4.34, 3.84, 3.34, 2.91, 3.6))]
-    status, listing, rows, seven, _ = run("subsets", text, folder)
+    status, listing, rows, seven, errors = run("subsets", text, folder)
     found = [line.split() for line in listing.splitlines() if re.match(r" +\d+ +(yes|no) ", line)]
     check("sets of nine points", status == 0 and 1 <= len(found) <= 3 and len(rows) == len(found), listing[:400])
+    check("sets of nine points: a poor transmission angle of the best is told", ("leave such ones out by TRMIN" in errors) == (float(found[0][4]) < 10.0),
+          (found[0], errors))
     again = seven.replace(".dev7", "_again.nml")
     with open(seven, encoding="utf-8") as file, open(again, "w", encoding="utf-8") as copy:
         copy.write(file.read())
