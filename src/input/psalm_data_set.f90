@@ -419,7 +419,7 @@ contains
       class(surroundings_t), allocatable :: about  ! large, too
       type(group_t), allocatable :: groups(:)      ! large: they would fill a small stack
       type(diagnostics_t) :: unused
-      logical :: shape_known, sketch_valid
+      logical :: shape_known, sketch_valid, by_cam
       integer :: i, line_of_plates
 
       call study_groups(set%sections)
@@ -497,6 +497,7 @@ contains
       call read_friction_group(groups(frictn), set%links%ilink, set%sketch, set%friction, findings)
       allocate (about)
       line_of_plates = 0
+      by_cam = .false.
       about%ilink = set%links%ilink
       about%sketch = set%sketch
       about%positions = merge(359/max(1, abs(set%method%ikin)) + 1, set%method%ndes, set%method%ikin /= 0)
@@ -504,12 +505,13 @@ contains
       do i = 1, size(set%sections)
          call set%sections(i)%group%read(groups(size(own) + i), about, findings)
          if (set%sections(i)%name == 'PLATES') line_of_plates = groups(size(own) + i)%line
+         if (index(set%sections(i)%name, 'CAM') == 1) by_cam = by_cam .or. groups(size(own) + i)%given('CAMRPM')
          ! the tables of all of them fill more memory than a small case needs otherwise; so the next one takes the place of this
          call groups(size(own) + i)%forget()
       end do
       ! where there are errors the group may stand under a misspelt name
-      if ((size(set%masses%mass) > 0 .or. line_of_plates > 0) .and. .not. (set%rates%given .or. set%gives('TIME') .or. &
-                                                                           findings%failed())) then
+      if ((size(set%masses%mass) > 0 .or. line_of_plates > 0) .and. &
+          .not. (set%rates%given .or. set%gives('TIME') .or. by_cam .or. findings%failed())) then
          call findings%warning('there is no group &RATES: the input is taken to move at '// &
                                trim(merge('1 unit of length a second', '1 radian a second        ', sliding_input(set))), &
                                line=max(groups(masses)%line, line_of_plates), &
@@ -1020,7 +1022,7 @@ contains
          meant_links = meant_links .or. near == 'LINKS' .or. near == 'CHAIN'
          meant_method = meant_method .or. near == 'METHOD'
          if (len(near) > 0) then
-            near = 'did you mean &'//near//'?'
+            near = 'did you mean &'//near//trim(merge(', or &CHAIN of a sketch?', '?                       ', near == 'LINKS'))
          else
             near = 'a group of your own begins with &USER'
          end if

@@ -78,6 +78,17 @@ POSES = "POSES\n &EXACT KIND='MOTION', XP=0.0,1.0,2.0,3.0,4.0, YP=0.0,0.5,0.4,0.
 TABLE = "TABLE\n &EXACT KIND='FUNCTION', PHI=0.0,20.0,40.0,60.0,80.0, PSI=0.0,15.0,35.0,50.0,70.0 &END\n"
 NAMED = "FUNCTION\n &EXACT KIND='FUNCTION', FUNC='POWER', FXLOW=1.0, FXHIGH=2.0, FPOWER=1.5, DPHI=60.0, DPSI=60.0 &END\n"
 
+PUMP = """A CAM WITH A ROLLER ON A LEVER
+ &CHAIN JNT='L','R','K','P', JX=0,60,100,100, JY=0,0,0,-60, LNAME='frame','lever','rod','piston',
+  LNK='L','L R K','K P','P', SLNK='frame', SLNK2='piston', SLX=100, SLY=-60, SLANG=90 &END
+ &DRIVES DRIVE='L' &END
+ &OUTPUTS OUTPUT='slide S1' &END
+ &METHOD NDES=1, DELT=0 &END
+ &CAM NSEG=4, SEGEND=120,180,300,360, OUT0=-10, SEGOUT=10,10,-10,-10, LAW='MODSINE','DWELL','MODSINE','DWELL',
+  FOLJNT='R', RROLL=10, XCAM=60, YCAM=-50, CAMRPM=200, CAMWID=0.01 &END
+ &MASSES MNAME='piston', MASS=0.5, UNITL=0.001 &END
+"""
+
 # base, what is changed into what, what is said
 MISTAKES = [
     # outputs
@@ -152,7 +163,7 @@ MISTAKES = [
     # no data set at all
     (SKETCH, SKETCH, 'joints: A 0 0\n', "no group is in the case that begins here; a case is a title line, then groups, each as "
      "&METHOD IKIN=10 &END: a sketch (&CHAIN, &DRIVES, &OUTPUTS) or loops (&LINKS), and &METHOD"),
-    (SKETCH, SKETCH, '{"joints": {"A": [0, 0]}}\n', "unknown group &JOINTS"),
+    (SKETCH, SKETCH, '{"joints": {"A": [0, 0]}}\n', "unknown group &JOINTS; did you mean &LINKS, or &CHAIN of a sketch?"),
     (FOUR_BAR, FOUR_BAR[FOUR_BAR.index(" &LINKS"):FOUR_BAR.index(" &METHOD")], "", "the group is missing in the case that begins here; a linkage "
      "is described by a sketch (&CHAIN) or by its loops (&LINKS)"),
     (SKETCH, "DRIVE='A'", "DRIVE='A', DBASE='crank', DLINK='crank'", "drive A has link crank on both sides"),
@@ -303,6 +314,7 @@ DOUBTS = [
      "&MASSES UNITL: missing: lengths are taken as metres, and this linkage is 95 m large"),
     ("kalm", DRIVES, " &METHOD", " &RATES SPEED=1.0 &END\n &METHOD",
      "drive E stands still in the velocities and forces: its DSPEED of &DRIVES is 0, though DELT2 changes"),
+    ("kalm", SKETCH, " &METHOD", " &MASSES MNAME='crank', MASS=1.0, UNITL=0.001 &END\n &METHOD", "there is no group &RATES: the input is taken to move at"),
     # items that nothing reads
     ("psalm", SKETCH, "DELT=0.0,5.0", "DELT=0.0,5.0, NITER=100, VAR=0.2",
      "&METHOD NITER: has no effect (nor VAR): it is for a search, but no dimension may vary"),
@@ -326,6 +338,7 @@ SILENT = [
     ("kalm", DRIVES, "DELT2=0.0,5.0", "DELT2=0.0,5.0, DSPEED=0.0,2.0", "stands still"),
     ("kalm", DRIVES, "DELT2=0.0,5.0", "DELT2=5.0,5.0", "stands still"),
     ("psalm", SKETCH, " &METHOD", " &SEARCH THREADS=1, MAXTIME=9.0 &END\n &METHOD", "no effect"),
+    ("calm", PUMP, "CAMRPM=200", "CAMRPM=300", "&RATES"),
     ("kalm", FOUR_BAR, "IKIN=30", "IKIN=30, SNAKE=0.2", "no effect"),
     ("psalm", FOUR_BAR, "MOTION=1, IKIN=30", "MOTION=1, IVA=1, NDES=1, DELT=0.0, DESANG=20.0, ANMULT=2.0, SNAKE=0.2, VAR=0.2", "no effect"),
 ]
