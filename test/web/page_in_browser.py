@@ -25,6 +25,7 @@ def test_pages(shots):
         test_browser_forces(browser, shots)
         test_saving(browser, shots)
         test_letters(browser)
+        test_wrong_input(browser)
         browser.close()
 
 
@@ -305,6 +306,24 @@ def collisions(page):
                 found.append(text)
             found += ["%s | %s" % (text, other) for other, a, b, c, d, _ in texts[:i] if left < b and a < right and top < d and c < bottom]
     return found
+
+
+def test_wrong_input(browser):
+    """The page of a wrong input has its messages; keys and controls do nothing there, and nothing is complained of."""
+    with open("no_joint.nml", "w", encoding="utf-8") as file:
+        file.write("<b>NO JOINT &amp; NO LINKAGE</b>\n &CHAIN JNT='A','B', JX=0,1, JY=0,1, LNK='A','A Z' &END\n &DRIVES DRIVE='A' &END\n"
+                   " &METHOD IKIN=30 &END\n")
+    code, _, errors = balm("no_joint.nml")
+    check("wrong input: refused", code == 2 and "no joint is called 'Z'" in errors, errors)
+    one = Page(browser, "no_joint.html")
+    for key in ("ArrowRight", "ArrowLeft", "Space", "Home", "End", "PageDown", "1", "t"):
+        one.page.keyboard.press(key)
+    one.ask("document.querySelectorAll('button, input, select').forEach(e => { e.click(); e.dispatchEvent(new Event('change')) })")
+    one.page.wait_for_timeout(100)
+    words = one.page.inner_text("body")
+    check("wrong input: the page says what is wrong", "The input is wrong" in words and "no joint is called 'Z'" in words, words[:300])
+    check("wrong input: nothing is complained of", not one.complaints, str(one.complaints))
+    one.context.close()
 
 
 def test_letters(browser):
