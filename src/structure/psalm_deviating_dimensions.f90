@@ -102,6 +102,7 @@ contains
       pure real(wp) function of_sketch(which)
          integer, intent(in) :: which
          real(wp) :: own
+         logical :: is_direction              ! the first output is the angle of a line
 
          own = -1.0_wp
          of_sketch = merge(toler%tollen, toler%tolang, which == 1)
@@ -111,8 +112,10 @@ contains
          case (variable_outlk, variable_outang)
             own = set%traced%of_output(which)
             ! of a joint of the loops or of a slide there is no line whose length or angle could deviate
-            if (set%traced%outlk <= 0.0_wp .and. .not. (which == 2 .and. &
-                any(set%sketch%outputs(1)%kind == [output_angle, output_pose]))) of_sketch = 0.0_wp
+            is_direction = .false.
+            if (which == 2 .and. size(set%sketch%outputs) > 0) &
+               is_direction = any(set%sketch%outputs(1)%kind == [output_angle, output_pose])
+            if (set%traced%outlk <= 0.0_wp .and. .not. is_direction) of_sketch = 0.0_wp
          case (variable_origlk, variable_origng)
             of_sketch = 0.0_wp
             if (set%traced%origlk > 0.0_wp) of_sketch = toler%of_pivot(which)

@@ -18,6 +18,7 @@ program test_tolerance
    call one_dimension()
    call streams()
    call open_linkages()
+   call without_outputs()
    call t%report()
 
 contains
@@ -66,6 +67,26 @@ contains
       call t%is_true(all(abs(sample%mean - shared%mean) + abs(sample%deviation - shared%deviation) + &
                          abs(sample%low - shared%low) <= 0.0_wp), name//': the same bits for any number of threads')
    end subroutine bands
+
+   !> A sketch that names no output: its last joint is the output, and no output is looked at that is not there.
+   subroutine without_outputs()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(deviating_t) :: deviating
+      type(tolerance_t) :: named, nameless
+      logical :: closes
+
+      call load_case('sketch_slider_crank', problem, set)
+      set%toler%given = .true.
+      set%toler%tollen = 0.01_wp
+      set%toler%tolang = 0.01_wp
+      call find_tolerances(set, problem%mechanism, problem%given, deviating, named, closes)
+      set%sketch%outputs = set%sketch%outputs(:0)
+      call find_tolerances(set, problem%mechanism, problem%given, deviating, nameless, closes)
+      call t%is_true(closes, 'a sketch without outputs: closes')
+      call t%equal_integer(size(nameless%worst), size(named%worst), 'a sketch without outputs: as many bands')
+      call t%is_true(all(abs(nameless%worst - named%worst) <= 0.0_wp), 'a sketch without outputs: the bands of its last joint')
+   end subroutine without_outputs
 
    !> One dimension alone: its effect is a difference of two linkages.
    subroutine one_dimension()
