@@ -1,25 +1,33 @@
 #!/usr/bin/env python3
 """Mutation run: one token of the sources is changed at a time; do the tests notice?
 
-usage: mutate.py [--count N] [--seed S] [--folder FOLDER,...] [--report | --again] [--quick [--near]]
+usage: mutate.py [--count N] [--seed S] [--source REGEX] [--seconds S] [--only REGEX] [--again | --report]
 
-Each change is drawn at random over src/ and app/ (a change of a number a quarter as often as another), built, and put
-through the tests until one fails, first those that noticed most in the least time. Tests that never run the line (build/coverage/lines.json, made by
-coverage.py) are left out. A change that does not compile, or leaves the optimised code as it was, is drawn again. The same
-seed gives the same changes; --again puts those that were missed through the tests of today. Results go to
-build/mutate/seed-S.jsonl as they come, and a run that was stopped goes on there, on the same sources. The sources themselves are
-not touched. --quick builds once, less optimised and without the checks of the run-time library, and leaves out the parts of the tests
-that take longest: what it misses goes through --again. With --near a change is asked only of the tests that concern its source
-(CONCERNS), the quickest first. The last line is N noticed, N missed; the exit status is 1 if fewer than 90 per cent are noticed.
+Changes are drawn at random over the sources of src/ and app/ whose path matches REGEX (a change of a number a quarter as often as
+another); the same seed gives the same changes of the same sources. One build, optimised little, holds them all: each changed
+statement stands there twice, in the branches of an IF that asks for the number of the change in the environment (TRIAL_CHANGE).
+Changes of declarations cannot be switched so and are built one by one, at the end. What does not compile is drawn again.
+
+A part of the tests (a stage: test/tools/workshop.py makes them of scripts/test) is run on the sound sources first and notes which
+changes it passes (TRIAL_REACHED); it is asked about those only. Whatever promises most for its seconds is asked next, until every
+change is noticed, no stage is left, or --seconds are over. A change that leaves the machine code as it was is no change: it is
+named apart and does not count; a tenth more than N is drawn for that.
+
+build/mutate/seed-S.json has the results as they come; a run that was stopped goes on there. --again asks all stages anew about what
+was missed, for tests that have changed since. --only REGEX asks the stages that match only. The work tree is not touched.
+The last line is N noticed, N missed; the exit status is 1 if fewer than 90 per cent are noticed.
 """
 import argparse
 import glob
+import hashlib
 import json
 import os
 import random
 import re
 import shutil
+import subprocess
 import sys
+import tempfile
 import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
@@ -28,26 +36,11 @@ import workshop
 PLACE = os.path.join(workshop.TOP, "build", "mutate")
 LEAST = 90.0          # per cent to be noticed
 NUMBERS = 0.25        # weight of a changed number, of which there are many
-SLACK, PATIENCE = 15.0, 6.0  # a stage may take PATIENCE times as long as it does on the sound sources, and SLACK seconds
-
-MOST_PICTURES = "pictures: most"
-NEAR = {    # stages that --quick asks about changes of these sources only: they run many other lines and seldom notice
-    MOST_PICTURES: ("src/picture/", "src/report/", "src/study/", "app/"),
-    "files: ": ("src/base/", "src/report/", "src/study/", "app/"),
-    "programs: interruption": ("src/base/", "src/synthesis/psalm_search", "src/study/", "app/"),
-    "summary: ": ("src/synthesis/psalm_summary", "src/report/psalm_summary", "src/study/"),
-    "narrow places": ("src/assur/", "src/synthesis/"),
-}
-
-# Sources, and the stages that concern them, whole names; a source may have several. The references concern all.
-CONCERNS = [(re.compile(sources), re.compile(stages)) for sources, stages in (
-    (r"src/cam/|_cam|app/calm", r"test_cam|calm"),
-    (r"src/proof/|_proof|taylor", r"test_proof.*|test_clearance|proofs|laws|narrow places"),
-    (r"src/exact/|_exact|six_bar|app/psalm", r"test_exact|exact|six bars"),
-    (r"src/picture/|app/balm", MOST_PICTURES),
-    (r"_chain", r"test_chain.*|test_sketch.*|test_higher_groups|test_redraw|sketches|larger groups|outputs|sketch campaign|kinds"),
-    (r"src/report/|_report|_list|_summary", r"tables|programs: .*|summary: .*|manual|mistakes|next step|reading|test_library|test_summary|Python"),
-    (r"", r"references"))]
+SPARE = 1.1           # changes drawn for one that is to count
+SLACK, PATIENCE = 10.0, 6.0  # a stage may take PATIENCE times as long as it does on the sound sources, and SLACK seconds
+SINGLE = 90.0         # seconds of tests for a change that is built by itself
+# seconds that a stage takes, before one knows
+GUESSES = ((r"listing: .*", 0.3), (r"test_\w+", 2.0), (r"pictures: .*", 3.0), (r"", 10.0))
 
 TOKEN = re.compile(r"""(?P<text>'[^']*'|"[^"]*")|(?P<note>!.*)|(?P<dot>\.\w+\.)
                        |(?P<number>(?<![\w.])\d+(?:\.\d*)?(?:[ed][-+]?\d+)?(?:_\w+)?)
@@ -57,48 +50,186 @@ SWAPS = {"+": "-", "-": "+", "*": "/", "/": "*", "<": ["<=", ">"], "<=": "<", ">
          "cycle": "exit", "min": "max", "max": "min", "minval": "maxval", "maxval": "minval", "any": "all", "all": "any",
          "sin": "cos", "cos": "sin",
          "minloc": "maxloc", "maxloc": "minloc", ".not.": ""}
-NOT_CODE = re.compile(r"\s*(use|implicit|import|end|module|contains|interface|private|public|procedure|type\b[^(]|type,|!|#)", re.I)
+NOT_CODE = re.compile(r"\s*((use|implicit|import|include|end|endif|enddo|module|submodule|contains|interface|abstract|private|public|"
+                      r"procedure|enum)\b|type\b[^(]|type,|#)", re.I)
 HEADING = re.compile(r"^[^'\"!]*\b(subroutine|function)\s+\w+\s*\(", re.I)
+# the first line of a construct, after its name if it has one, without what is in brackets
+OPENS = re.compile(r"\s*(?:\w+\s*:\s*)?(?:if\s*\(\)\s*then|do|do\s+\w.*|select\s*(?:case|type|rank)\b.*|(?:where|forall)\s*\(\)|"
+                   r"associate\s*\(\)|block|critical)\s*", re.I)
+MIDDLE = re.compile(r"\s*(?:else|else\s*if\s*\(\)\s*then|elsewhere(?:\s*\(\))?|(?:case|rank)\s*(?:\(\)|default)|"
+                    r"(?:class|type)\s+(?:is\s*\(\)|default))\s*\w*\s*", re.I)
+CLOSES = re.compile(r"\s*end\s*(?:if|do|select|where|forall|associate|block|critical)\b.*", re.I)
+MASK = re.compile(r"\s*(?:\w+\s*:\s*)?(?:where|forall)\b", re.I)
+
+USE = "   use psalm_trial_changes, only: trial_change"
+MODULE = """!> Switches of a mutation run.
+module psalm_trial_changes
+   use, intrinsic :: iso_c_binding, only: c_bool, c_int
+   implicit none (type, external)
+   private
+   public :: trial_change
+
+   interface
+      !> Is it the change of this number that is tried?
+      pure function trial_change(number) result(tried) bind(c)
+         import :: c_bool, c_int
+         integer(c_int), value :: number
+         logical(c_bool) :: tried
+      end function trial_change
+   end interface
+end module psalm_trial_changes
+"""
+SWITCH = r"""/* Switches of a mutation run: which change is tried, and, where a file is asked for, which were passed. */
+#include <fcntl.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+static int tried = -1;
+static const char *reached;
+static char passed[100000];
+
+__attribute__((constructor)) static void look(void)
+{
+    const char *number = getenv("TRIAL_CHANGE");
+    if (number)
+        tried = atoi(number);
+    reached = getenv("TRIAL_REACHED");
+}
+
+bool trial_change(int number)
+{
+    if (reached && !passed[number]) {
+        char line[16];
+        int file = open(reached, O_WRONLY | O_APPEND | O_CREAT, 0666);
+        passed[number] = 1;
+        if (file >= 0) {
+            if (write(file, line, snprintf(line, sizeof line, "%d\n", number)) < 0)
+                passed[number] = 0;
+            close(file);
+        }
+    }
+    return number == tried;
+}
+"""
 
 
-def sites(source, text):
-    """Every change of one token: (line number, column, old, new, weight)."""
-    found = []
-    for number, line in enumerate(text.split("\n"), 1):
-        if NOT_CODE.match(line) or HEADING.match(line):
+def without_strings(line):
+    """The line with strings and comments blanked, column by column."""
+    return TOKEN.sub(lambda t: t.group() if t.lastgroup not in ("text", "note") else
+                     "'" + " "*(len(t.group()) - 2) + "'" if t.lastgroup == "text" else " "*len(t.group()), line)
+
+
+def statements(lines):
+    """Every statement: (first line, last line, code without strings and comments); lines are counted from 0."""
+    first, code = None, ""
+    for number, line in enumerate(lines):
+        bare = without_strings(line).rstrip()
+        if not bare.strip():
             continue
-        declaration = "::" in line.split("!")[0]
-        for token in TOKEN.finditer(line):
-            old = token.group()
-            after = line[token.end():].lstrip()[:1]
-            if token.lastgroup in ("text", "note"):
-                continue
-            if token.lastgroup == "number":
-                if not re.fullmatch(r"\d+(\.\d*)?(_\w+)?", old) or (declaration and "parameter" not in line):
-                    continue
-                value = re.match(r"\d+", old).group()
-                found.append((number, token.start(), old, str(int(value) + 1) + old[len(value):], NUMBERS))
-                continue
-            if declaration and token.lastgroup != "dot":
-                continue
-            if token.lastgroup == "word" and old.lower() not in ("exit", "cycle") and after != "(":
-                continue
-            swap = SWAPS.get(old.lower(), [])
-            for new in [swap] if isinstance(swap, str) else swap:
-                found.append((number, token.start(), old, new, 1.0))
+        if first is None:
+            first, code = number, ""
+        elif bare.lstrip().startswith("&"):
+            bare = bare.lstrip()[1:]
+        goes_on = bare.endswith("&")
+        code += bare[:-1] if goes_on else bare
+        if not goes_on:
+            yield first, number, code
+            first = None
+
+
+def depth_zero(code):
+    """The code outside of brackets."""
+    depth, out = 0, ""
+    for c in code:
+        depth -= c in ")]"
+        out += c if depth == 0 else ""
+        depth += c in "(["
+    return out
+
+
+def sites(lines):
+    """Every change of one token: line, column, old, new, weight, and first and last line of what is to stand twice, None of a declaration."""
+    found, open_constructs, waiting = [], [], []
+    for first, last, code in statements(lines):
+        if CLOSES.fullmatch(code):
+            opened = open_constructs.pop()
+            for site in opened["sites"]:
+                site["last"] = last
+            continue
+        bare = depth_zero(code)
+        opening, middle = OPENS.fullmatch(bare), MIDDLE.fullmatch(bare)
+        if opening:
+            open_constructs.append({"first": first, "sites": [], "mask": MASK.match(code) is not None})
+        if NOT_CODE.match(code) or HEADING.match(code):
+            continue
+        declaration = "::" in bare
+        around = next((c for c in open_constructs if c["mask"]), open_constructs[-1] if opening or middle else None)
+        for number in range(first, last + 1):
+            for column, old, new, weight in changes_of(lines[number], declaration, "parameter" in code):
+                site = {"line": number + 1, "column": column, "old": old, "new": new, "weight": weight, "first": first, "last": last}
+                if declaration:
+                    site["first"] = site["last"] = None
+                elif around:
+                    site["first"] = around["first"]
+                    around["sites"].append(site)
+                found.append(site)
     return found
 
 
-def machine_code(build, source):
-    return open(build.object_of(source), "rb").read()
+def changes_of(line, declaration, constant):
+    """Changes of one token in a line: (column, old, new, weight)."""
+    found = []
+    for token in TOKEN.finditer(line):
+        old = token.group()
+        after = line[token.end():].lstrip()[:1]
+        if token.lastgroup in ("text", "note"):
+            continue
+        if token.lastgroup == "number":
+            if not re.fullmatch(r"\d+(\.\d*)?(_\w+)?", old) or (declaration and not constant):
+                continue
+            value = re.match(r"\d+", old).group()
+            found.append((token.start(), old, str(int(value) + 1) + old[len(value):], NUMBERS))
+            continue
+        if declaration and token.lastgroup != "dot":
+            continue
+        if token.lastgroup == "word" and old.lower() not in ("exit", "cycle") and after != "(":
+            continue
+        swap = SWAPS.get(old.lower(), [])
+        for new in [swap] if isinstance(swap, str) else swap:
+            found.append((token.start(), old, new, 1.0))
+    return found
 
 
-def is_far(stage, source):
-    return any(stage.startswith(name) and not source.startswith(near) for name, near in NEAR.items())
+def changed_line(line, change):
+    return line[:change["column"]] + change["new"] + line[change["column"] + len(change["old"]):]
 
 
-def concerns(stage, source):
-    return any(sources.search(source) and stages.fullmatch(stage) for sources, stages in CONCERNS)
+def changed_lines(lines, change):
+    number = change["line"] - 1
+    return lines[:number] + [changed_line(lines[number], change)] + lines[number + 1:]
+
+
+def with_switches(lines, changes):
+    """The source with what is changed twice, and for each of its lines the change that it is of, or None."""
+    before, after = {}, {}
+    for change in sorted(changes, key=lambda c: (c["first"], -c["last"])):
+        copy = changed_lines(lines, change)[change["first"]:change["last"] + 1]
+        before.setdefault(change["first"], []).extend(
+            [(line, change["number"]) for line in ["if (trial_change(%d)) then" % change["number"]] + copy + ["else"]])
+        after.setdefault(change["last"], []).append(("end if", change["number"]))
+    result = []
+    for number, line in enumerate(lines):
+        result += before.get(number, []) + [(line, None)] + after.get(number, [])
+    return [line for line, _ in result], [of for _, of in result]
+
+
+def with_use(lines):
+    """The module with the switches at hand."""
+    head = re.compile(r"\s*(module|submodule\s*\(.*\)|program)\s+\w+\s*$", re.I)
+    at = next(n for n, line in enumerate(lines) if head.match(line.split("!")[0]) and not line.lower().lstrip().startswith("module procedure"))
+    return lines[:at + 1] + [USE] + lines[at + 1:]
 
 
 def first_failure(output):
@@ -107,229 +238,326 @@ def first_failure(output):
 
 
 class Trial:
-    """The copied tree with its builds, and what each stage takes on sound sources."""
+    """The copied tree with its build, the changes, and what is known of the stages."""
 
     def __init__(self, options):
-        quick, self.near = options.quick, options.near
+        self.options = options
         self.tree = os.path.join(PLACE, "tree")
+        self.results = os.path.join(PLACE, "seed-%d.json" % options.seed)
         workshop.copy_tree(self.tree)
-        build = os.path.join(self.tree, "build")
-        self.release = workshop.Build(self.tree, os.path.join(build, "release"), workshop.quick_flags() if quick else workshop.release_flags(),
-                                      tests=quick)
-        self.debug = self.quad = self.release
-        if not quick:
-            self.debug = workshop.Build(self.tree, os.path.join(build, "debug"), workshop.check_flags())
-            self.quad = workshop.Build(self.tree, os.path.join(build, "quad"), workshop.quad_flags(), tests=False)
-        self.stages = workshop.stages(self.tree, self.debug, self.release, self.quad)
-        self.quick = quick
-        if quick:
-            self.stages = self.fewer_stages()
-        if self.near:
-            sources = [s for s in self.release.order if s.startswith(options.folders)]
-            self.stages = [stage for stage in self.stages if any(concerns(stage.name, s) for s in sources)]
-        self.builds = list(dict.fromkeys((self.release, self.debug, self.quad)))
-        for build in self.builds:
-            self.build_sound(build)
-        print("-- built", file=sys.stderr, flush=True)
-        memory = os.path.join(self.release.place + ".sound", "seconds.json")
-        self.seconds = json.load(open(memory, encoding="utf-8")) if os.path.exists(memory) else {}
-        for stage in self.stages:
-            if stage.name in self.seconds:
-                continue
-            began = time.monotonic()
-            if not stage.run(self.tree, 3600):
-                raise SystemExit("the tests fail before anything is changed: %s\n%s" % (stage.name, stage.output[-2000:]))
-            self.seconds[stage.name] = time.monotonic() - began
-        with open(memory, "w", encoding="utf-8") as out:
-            json.dump(self.seconds, out)
-        self.tried = {stage.name: [1, 3] for stage in self.stages}    # how often it noticed, how often it was asked
-        print("-- sound sources: %.0f seconds" % sum(self.seconds.values()), file=sys.stderr, flush=True)
-        self.runs = self.read_coverage()
-        for stage in self.stages:
-            if stage.name == MOST_PICTURES:
-                for stages in self.runs.values():
-                    if any(name.startswith("pictures: ") for name in stages):
-                        stages.add(MOST_PICTURES)
-        self.measured = set().union(*self.runs.values()) if self.runs else set()
-        self.why = ""
+        self.write("src/base/psalm_trial_changes.f90", MODULE)
+        self.write("src/base/psalm_trial_switch.c", SWITCH)
+        self.build = workshop.Build(self.tree, os.path.join(self.tree, "build", "release"), workshop.quick_flags())
+        self.sources = [s for s in self.build.order if s.endswith("90") and s.startswith(("src/", "app/"))]
+        self.sources += [os.path.relpath(name, self.tree) for name in sorted(glob.glob(os.path.join(self.tree, "src", "*", "*.inc")))]
+        self.texts = {s: self.read(s) for s in self.sources}
+        self.includers = {}
+        for source in self.sources:
+            for name in re.findall(r"^\s*include\s*'([\w.]+)'", self.texts[source], re.M):
+                self.includers.setdefault(os.path.join(os.path.dirname(source), name), []).append(source)
+        self.stages = {stage.name: stage for stage in workshop.stages(self.tree, self.build, self.build, self.build)}
+        self.made_of = hashlib.sha256(json.dumps([options.source, options.count, self.texts]).encode()).hexdigest()
+        self.known = {"made_of": self.made_of, "changes": [], "reached": {}, "seconds": {}, "broken": {}, "tried": {}}
+        self.cache, self.sound_cache = os.path.join(PLACE, "cache"), os.path.join(PLACE, "cache.sound")
 
-    def fewer_stages(self):
-        """Without the slow ones; the pictures in one go, because each start of the browser takes seconds."""
-        fast = [stage for stage in self.stages if stage.name not in workshop.SLOW]
-        pictures = [stage for stage in fast if stage.name.startswith("pictures: ")]
-        parts = ",".join(stage.command[-1] for stage in pictures)
-        return [stage for stage in fast if stage not in pictures] + \
-            [workshop.Stage(MOST_PICTURES, pictures[0].command[:-1] + [parts])]
+    def read(self, source):
+        with open(os.path.join(self.tree, source), encoding="utf-8") as file:
+            return file.read()
+
+    def write(self, source, text):
+        with open(os.path.join(self.tree, source), "w", encoding="utf-8") as file:
+            file.write(text)
+
+    def units(self, sources):
+        """What is compiled when these change."""
+        return list(dict.fromkeys(unit for source in sources for unit in self.includers.get(source, [source])))
+
+    # --- drawing and building
+
+    def prepare(self):
+        if os.path.exists(self.results):
+            with open(self.results, encoding="utf-8") as file:
+                self.known = json.load(file)
+            if self.known["made_of"] != self.made_of:
+                raise SystemExit("%s is of other sources, or another draw: remove it" % self.results)
+        name, stamp = os.path.join(self.build.place, "stamp"), self.build.stamp()
+        built = open(name, encoding="utf-8").read().split() if os.path.exists(name) else []
+        if not self.known["changes"]:
+            if built != [stamp]:
+                self.build.all()
+                built = [stamp]
+            self.draw()
+            self.save()
+        switched = self.switch()
+        stamps = [stamp, self.build.stamp()]
+        if built == [stamp]:
+            self.build.update(*self.units(switched))
+        elif built != stamps:
+            self.build.all()
+        with open(name, "w", encoding="utf-8") as out:
+            out.write("\n".join(stamps))
+        print("-- built", file=sys.stderr, flush=True)
+
+    def draw(self):
+        """Changes that compile."""
+        generator = random.Random(self.options.seed)
+        wanted = re.compile(self.options.source)
+        everything = [(source, site) for source in sorted(self.sources) if wanted.search(source)
+                      for site in sites(self.texts[source].split("\n"))]
+        if not everything:
+            raise SystemExit("no source's path matches " + self.options.source)
+        weights = [site["weight"] for _, site in everything]
+        changes, taken = [], set()
+        while len(changes) < round(SPARE*self.options.count):
+            source, site = generator.choices(everything, weights)[0]
+            key = (source, site["line"], site["column"], site["new"])
+            if key in taken:
+                continue
+            taken.add(key)
+            change = dict(site, file=source, number=len(taken), noticed="", asked=[], why="",
+                          text=self.texts[source].split("\n")[site["line"] - 1].strip())
+            if self.compiles(change):
+                changes.append(change)
+        self.known["changes"] = changes
+
+    def compiles(self, change):
+        """By itself and with its switch."""
+        lines = self.texts[change["file"]].split("\n")
+        texts = [changed_lines(lines, change)]
+        if change["first"] is not None:
+            texts.append(with_switches(lines, [change])[0])
+        try:
+            for text in texts:
+                self.write(change["file"], "\n".join(text))
+                for unit in self.units([change["file"]]):
+                    if text is texts[-1] and len(texts) == 2:
+                        self.write(unit, "\n".join(with_use(self.read(unit).split("\n"))))
+                    if not self.is_correct(unit):
+                        return False
+            return True
+        finally:
+            for source in {change["file"], *self.units([change["file"]])}:
+                self.write(source, self.texts[source])
+
+    def is_correct(self, unit):
+        with tempfile.TemporaryDirectory() as place:
+            return subprocess.run([self.build.compiler, "-fsyntax-only", "-fopenmp", "-ffree-form", "-J" + place,
+                                   "-I" + os.path.join(self.build.place, "mod")] + self.build.flags + [unit],
+                                  cwd=self.tree, capture_output=True).returncode == 0
+
+    def switch(self):
+        """Put the switches into the tree. Returns the sources that have some."""
+        by_source = {}
+        for change in self.known["changes"]:
+            if change["first"] is not None:
+                by_source.setdefault(change["file"], []).append(change)
+        for source, changes in by_source.items():
+            self.write(source, "\n".join(with_switches(self.texts[source].split("\n"), changes)[0]))
+        for unit in self.units(by_source):
+            self.write(unit, "\n".join(with_use(self.read(unit).split("\n"))))
+        self.switched = {source: self.read(source) for source in {*by_source, *self.units(by_source)}}
+        return by_source
+
+    def save(self):
+        with open(self.results + ".new", "w", encoding="utf-8") as out:
+            json.dump(self.known, out, indent=1)
+        os.replace(self.results + ".new", self.results)
+
+    # --- asking
+
+    def guess(self, name):
+        return self.known["seconds"].get(name) or next(s for pattern, s in GUESSES if re.match(pattern, name))
+
+    def run_stage(self, name, **environment):
+        """Whether the stage is content, and its seconds. What a changed program has put into the cache of start sets goes again."""
+        limit = SLACK + PATIENCE*self.known["seconds"][name] if name in self.known["seconds"] else 600
+        began = time.monotonic()
+        sound = self.stages[name].run(self.tree, limit, XDG_CACHE_HOME=self.cache, **environment)
+        return sound, time.monotonic() - began
+
+    @staticmethod
+    def listed(folder):
+        return sorted((os.path.relpath(name, folder), os.stat(name).st_size, int(os.stat(name).st_mtime))
+                      for name in glob.glob(os.path.join(folder, "**"), recursive=True) if os.path.isfile(name))
+
+    def keep_cache(self, source, target):
+        if self.listed(source) != self.listed(target):
+            shutil.rmtree(target, ignore_errors=True)
+            shutil.copytree(source, target)
+
+    def look(self, name):
+        """Run a stage on the sound sources: which changes does it pass?"""
+        with tempfile.TemporaryDirectory() as place:
+            reached = os.path.join(place, "reached")
+            os.chmod(place, 0o777)
+            sound, seconds = self.run_stage(name, TRIAL_REACHED=reached)
+            numbers = sorted({int(n) for n in open(reached, encoding="ascii").read().split()}) if os.path.exists(reached) else []
+        self.known["seconds"][name] = round(seconds, 2)
+        self.known["reached"][name] = numbers
+        if not sound:
+            self.known["broken"][name] = first_failure(self.stages[name].output)
+            print("-- %s fails before anything is changed and is left out: %s" % (name, self.known["broken"][name]), file=sys.stderr, flush=True)
+        else:
+            os.makedirs(self.cache, exist_ok=True)
+            self.keep_cache(self.cache, self.sound_cache)
 
     def power(self, name):
-        """Changes noticed for a second of it, as far as one knows."""
-        noticed, asked = self.tried[name]
-        return noticed/asked/(self.seconds[name] + 0.05)
+        """Changes noticed for a second of it, as far as one knows; the look before the first question takes as long as that."""
+        noticed, asked = self.known["tried"].get(name, (0, 0))
+        return (noticed + 1)/(asked + 2)/(self.guess(name) + 0.05)/(1 if name in self.known["reached"] else 2)
 
-    def learn(self, name, noticed):
-        self.tried[name][0] += noticed
-        self.tried[name][1] += 1
+    def ask(self, name, change, environment):
+        sound, seconds = self.run_stage(name, **environment)
+        if os.path.isdir(self.sound_cache):
+            self.keep_cache(self.sound_cache, self.cache)
+        tried = self.known["tried"].setdefault(name, [0, 0])
+        tried[0] += not sound
+        tried[1] += 1
+        change["asked"].append(name)
+        if not sound:
+            change["noticed"], change["why"] = name, first_failure(self.stages[name].output)
+            print("-- %(file)s:%(line)d %(old)s -> %(new)s: %(noticed)s" % change + " (%.1f s)" % seconds, file=sys.stderr, flush=True)
+        return not sound
 
-    def build_sound(self, build):
-        """Build, or take what an earlier run has built of the same sources."""
-        kept = build.place + ".sound"
-        name, stamp = os.path.join(kept, "stamp"), build.stamp()
-        if os.path.exists(name) and open(name, encoding="utf-8").read() == stamp:
-            self.make_sound(build)
-            return
-        shutil.rmtree(kept, ignore_errors=True)
-        build.all()
-        shutil.copytree(build.place, kept)
-        with open(name, "w", encoding="utf-8") as out:
-            out.write(stamp)
+    def usable(self):
+        only = re.compile(self.options.only)
+        return [name for name in self.stages if only.search(name) and name not in self.known["broken"]]
 
-    @staticmethod
-    def make_sound(build):
-        """Put back what a change has built: faster than to build it again."""
-        for folder, _, names in os.walk(build.place + ".sound"):
-            for name in names:
-                kept = os.path.join(folder, name)
-                used = build.place + kept[len(build.place + ".sound"):]
-                if not os.path.exists(used) or os.stat(used).st_mtime_ns != os.stat(kept).st_mtime_ns:
-                    shutil.copy2(kept, used)
+    def ask_switched(self, end):
+        """Stage by stage, whatever promises most."""
+        changes = [c for c in self.known["changes"] if c["first"] is not None]
+        while time.monotonic() < end:
+            missed = [c for c in changes if c["noticed"] == ""]
+            questions = {}
+            for name in self.usable():
+                reached = self.known["reached"].get(name)
+                questions[name] = [c for c in missed if name not in c["asked"] and (reached is None or c["number"] in reached)]
+            names = [name for name in questions if questions[name]]
+            if not names:
+                break
+            # what many stages have run without noticing it, the next will hardly notice
+            freshest = {name: min(questions[name], key=lambda c: len(c["asked"])) for name in names}
+            name = max(names, key=lambda n: self.power(n)/(1 + len(freshest[n]["asked"])))
+            if name not in self.known["reached"]:
+                self.look(name)
+            else:
+                change = freshest[name]
+                self.ask(name, change, {"TRIAL_CHANGE": str(change["number"])})
+            self.save()
 
-    @staticmethod
-    def read_coverage():
-        """(file, line) -> names of the stages that run it; empty if it was never measured."""
-        name = os.path.join(workshop.TOP, "build", "coverage", "lines.json")
-        if not os.path.exists(name):
-            return {}
-        return {(file, line): set(stages) for file, line, stages in json.load(open(name, encoding="utf-8"))}
-
-    def try_out(self, source, text, change):
-        """None if the change is none; else the name of the stage that notices it, or an empty word."""
-        number, column, old, new, _ = change
-        lines = text.split("\n")
-        lines[number - 1] = lines[number - 1][:column] + new + lines[number - 1][column + len(old):]
-        path = os.path.join(self.tree, source)
-        before = machine_code(self.release, source), self.release.interface(source)
-        changed, self.why = [], ""
-        try:
-            with open(path, "w", encoding="utf-8") as out:
-                out.write("\n".join(lines))
+    def ask_singles(self, end):
+        """Changes of declarations; first the stages that pass other changes of the same source."""
+        for change in self.known["changes"]:
+            if change["first"] is not None or change["noticed"] != "" or time.monotonic() > end:
+                continue
+            source = change["file"]
+            beside = {c["number"] for c in self.known["changes"] if c["file"] == source}
+            names = [n for n in self.usable() if n in self.known["reached"] and n not in change["asked"]]
+            names.sort(key=lambda n: -self.power(n)*(10 if beside & set(self.known["reached"][n]) else 1))
+            if not names:
+                continue
+            present = self.read(source)
+            lines = present.split("\n")
+            at = [n for n, line in enumerate(lines) if line.strip() == change["text"]]
+            at = min(at, key=lambda n: abs(n + 1 - change["line"]))
+            self.write(source, "\n".join(lines[:at] + [changed_line(lines[at], change)] + lines[at + 1:]))
             try:
-                changed.append(self.release)
-                self.release.update(source)
-                if (machine_code(self.release, source), self.release.interface(source)) == before:
-                    return None
-                if self.debug is not self.release:
-                    changed.append(self.debug)
-                    self.debug.update(source)
+                self.build.update(*self.units([source]))
+                left = time.monotonic() + SINGLE
+                for name in names:
+                    if time.monotonic() > left or self.ask(name, change, {}):
+                        break
             except workshop.BuildFailed:
-                return None
-            ran = self.runs.get((source, number))
-            for stage in sorted(self.stages, key=lambda s: -self.power(s.name)):
-                if ran is not None and stage.name in self.measured and stage.name not in ran:
-                    continue
-                if self.quick and is_far(stage.name, source) or self.near and not concerns(stage.name, source):
-                    continue
-                if "quad" in stage.needs and self.quad not in changed:
-                    changed.append(self.quad)
-                    self.quad.update(source)
-                sound = stage.run(self.tree, SLACK + PATIENCE*self.seconds[stage.name])
-                self.learn(stage.name, not sound)
-                if not sound:
-                    self.why = first_failure(stage.output)
-                    return stage.name
-            return ""
+                change["noticed"] = None
+            finally:
+                self.write(source, present)
+                self.build.update(*self.units([source]))
+            self.save()
+
+    def is_no_change(self, change):
+        """Is the machine code the same with and without it?"""
+        code = []
+        source = change["file"]
+        units = self.units([source])
+        lines = self.texts[source].split("\n")
+        try:
+            for unit in units:
+                self.write(unit, self.texts[unit])
+            for text in (lines, changed_lines(lines, change)):
+                self.write(source, "\n".join(text))
+                with tempfile.TemporaryDirectory() as place:
+                    build = workshop.Build.__new__(workshop.Build)
+                    build.__dict__.update(self.build.__dict__, place=place)
+                    os.makedirs(os.path.join(place, "mod"))
+                    build.flags = self.build.flags + ["-I" + os.path.join(self.build.place, "mod")]
+                    made = []
+                    for unit in units:
+                        build.compile(unit)
+                        made += [open(build.object_of(unit), "rb").read(), build.interface(unit)]
+                    code.append(made)
         finally:
-            with open(path, "w", encoding="utf-8") as out:
-                out.write(text)
-            for build in changed:
-                self.make_sound(build)
+            for name in {source, *units}:
+                self.write(name, self.switched.get(name, self.texts[name]))
+        return code[0] == code[1]
+
+    def run(self):
+        if self.options.again:
+            self.known["reached"], self.known["broken"] = {}, {}
+            for change in self.known["changes"]:
+                if change["noticed"] == "":
+                    change["asked"] = []
+        end = time.monotonic() + self.options.seconds
+        self.ask_switched(end)
+        self.ask_singles(end)
+        for change in self.known["changes"]:
+            if change["noticed"] == "" and "checked" not in change:
+                change["checked"] = True
+                if self.is_no_change(change):
+                    change["noticed"] = None
+                self.save()
+
+
+def report(known, count):
+    """Name what was missed. Returns how many changes were noticed and how many missed."""
+    real = []
+    for change in known["changes"]:
+        if change["noticed"] is None:
+            print("no change: %(file)s:%(line)d: %(old)s -> %(new)s   %(text)s" % change)
+        else:
+            real.append(change)
+    real = real[:count]
+    for change in real:
+        if change["noticed"] == "":
+            ran = sum(change["number"] in numbers for numbers in known["reached"].values())
+            print("missed (asked %d of %d stages that run it): " % (len(change["asked"]), ran) +
+                  "%(file)s:%(line)d: %(old)s -> %(new)s   %(text)s" % change)
+    noticed = sum(change["noticed"] != "" for change in real)
+    print("%d noticed, %d missed" % (noticed, len(real) - noticed))
+    return noticed, len(real) - noticed
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--folder", default="", help="only sources whose path begins so, as src/picture; several: src/cam,src/proof")
+    parser.add_argument("--source", default="", help="as 'src/(cam|proof)/|_chain'")
+    parser.add_argument("--seconds", type=float, default=1e9, help="no stage is begun after so many")
+    parser.add_argument("--only", default="", help="stages, as 'test_cam|calm'")
+    parser.add_argument("--again", action="store_true")
     parser.add_argument("--report", action="store_true", help="print what the run so far has found, run nothing")
-    parser.add_argument("--again", action="store_true", help="only what the run so far has missed, with the tests of today")
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--near", action="store_true")
     parser.add_argument("--nice", type=int, default=10)
     options = parser.parse_args()
-    options.folders = tuple(options.folder.split(","))
-    for folder in options.folders if options.folder else ():
-        if not folder.startswith(("src/", "app/")) or not glob.glob(os.path.join(workshop.TOP, folder + "*")):
-            parser.error("no source's path begins with '%s'" % folder)
     os.nice(options.nice)
     os.makedirs(PLACE, exist_ok=True)
-    results = os.path.join(PLACE, "seed-%d%s.jsonl" % (options.seed, options.folder.replace("/", "-")))
-    done = []
-    if os.path.exists(results):
-        done = [json.loads(line) for line in open(results, encoding="utf-8")]
-    if options.again:
-        done = again(options, results, done)
-    elif not options.report:
-        done = run(options, results, done)
-    for entry in done:
-        if entry["noticed"] == "":
-            print("missed: %(file)s:%(line)d: %(old)s -> %(new)s   %(text)s" % entry)
-    real = [entry for entry in done if entry["noticed"] is not None]
-    noticed = sum(entry["noticed"] != "" for entry in real)
-    print("%d noticed, %d missed" % (noticed, len(real) - noticed))
-    return noticed < LEAST/100.0*len(real)
-
-
-def tell(entry):
-    print("-- %(file)s:%(line)d %(old)s -> %(new)s: %(noticed)s (%(seconds).0f s)" % dict(entry, noticed={
-        None: "no change", "": "MISSED"}.get(entry["noticed"], entry["noticed"])), file=sys.stderr, flush=True)
-
-
-def again(options, results, done):
-    """Changes that were missed, found by the text of their line; what is no longer there stays as it was."""
     trial = Trial(options)
-    for entry in done:
-        path = os.path.join(trial.tree, entry["file"])
-        if entry["noticed"] != "" or not os.path.exists(path):
-            continue
-        text = open(path, encoding="utf-8").read()
-        lines = text.split("\n")
-        places = sorted((abs(n - entry["line"]), n) for n, line in enumerate(lines, 1) if line.strip() == entry["text"])
-        if not places:
-            continue
-        number = places[0][1]
-        column = entry["column"] + len(lines[number - 1]) - len(lines[number - 1].lstrip())
-        began = time.monotonic()
-        entry["noticed"] = trial.try_out(entry["file"], text, (number, column, entry["old"], entry["new"], 1.0))
-        entry["seconds"], entry["why"] = round(time.monotonic() - began, 1), trial.why
-        tell(entry)
-        with open(results, "w", encoding="utf-8") as out:
-            out.writelines(json.dumps(e) + "\n" for e in done)
-    return done
-
-
-def run(options, results, done):
-    trial = Trial(options)
-    generator = random.Random(options.seed)
-    sources = [s for s in trial.release.order
-               if s.endswith("90") and s.startswith(("src/", "app/")) and s.startswith(options.folders)]
-    texts = {s: open(os.path.join(trial.tree, s), encoding="utf-8").read() for s in sources}
-    everything = [(s, site) for s in sources for site in sites(s, texts[s])]
-    weights = [site[4] for _, site in everything]
-    drawn = 0
-    while sum(entry["noticed"] is not None for entry in done) < options.count:
-        source, change = generator.choices(everything, weights)[0]
-        drawn += 1
-        if drawn <= len(done):
-            continue
-        began = time.monotonic()
-        noticed = trial.try_out(source, texts[source], change)
-        line = texts[source].split("\n")[change[0] - 1]
-        entry = {"file": source, "line": change[0], "column": change[1] - (len(line) - len(line.lstrip())), "old": change[2],
-                 "new": change[3], "noticed": noticed, "text": line.strip(), "seconds": round(time.monotonic() - began, 1), "why": trial.why}
-        done.append(entry)
-        with open(results, "a", encoding="utf-8") as out:
-            out.write(json.dumps(entry) + "\n")
-        tell(entry)
-    return done
+    if options.report:
+        with open(trial.results, encoding="utf-8") as file:
+            trial.known = json.load(file)
+    else:
+        trial.prepare()
+        trial.run()
+    noticed, missed = report(trial.known, options.count)
+    return noticed < LEAST/100.0*(noticed + missed)
 
 
 if __name__ == "__main__":

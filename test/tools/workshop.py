@@ -8,6 +8,7 @@ import gzip
 import hashlib
 import os
 import re
+import shlex
 import shutil
 import signal
 import subprocess
@@ -122,9 +123,9 @@ class Build:
     def users(self, module):
         return [s for s in self.order if module in self.units[s][1]]
 
-    def update(self, source):
-        """Compile one source anew, and its users as far as what they see of it has changed. Returns what was compiled."""
-        waiting, done = [source], []
+    def update(self, *sources):
+        """Compile sources anew, and their users as far as what they see of them has changed. Returns what was compiled."""
+        waiting, done = list(sources), []
         while waiting:
             waiting.sort(key=self.order.index)
             one = waiting.pop(0)
@@ -142,14 +143,15 @@ class Build:
         changed = set(self.order if everything else changed)
         programs = [s for s in self.order if self.units[s][2]]
         helpers = [s for s in self.order if s.startswith("test/") and not self.units[s][2]]
-        parts = [s for s in self.order if not self.units[s][2] and s not in helpers and s != PROGRAMS_OWN]
+        front = [s for s in self.order if s.startswith("app/") and not self.units[s][2]]
+        parts = [s for s in self.order if not self.units[s][2] and s not in helpers + front and s != PROGRAMS_OWN]
         basic = [self.compiler, "-fopenmp"] + [f for f in self.flags if f.startswith(("--coverage", "-fsanitize", "-O"))]
         if changed & set(parts):
             run(basic + ["-shared", "-o", self.library] + [self.object_of(s) for s in parts] + LIBRARIES)
         for source in programs:
             kind = source.split("/")[0]
             test = kind == "test"
-            own = helpers if test else [PROGRAMS_OWN, BORDER] if kind == "app" else []
+            own = helpers if test else front + [PROGRAMS_OWN, BORDER] if kind == "app" else []
             if not everything and not changed & {source, *own}:
                 continue
             name = os.path.splitext(os.path.basename(source))[0]
@@ -161,7 +163,8 @@ class Build:
     def stamp(self):
         """Changes with the flags and with every source."""
         made_of = hashlib.sha256(repr([self.compiler] + self.flags).encode())
-        for source in self.order:
+        included = sorted(os.path.relpath(name, self.top) for name in glob.glob(os.path.join(self.top, "src", "*", "*.inc")))
+        for source in self.order + included:
             made_of.update(source.encode() + open(os.path.join(self.top, source), "rb").read())
         return made_of.hexdigest()
 
@@ -225,35 +228,55 @@ class Stage:
         return process.returncode == 0
 
 
-def stages(top, debug, release, quad):
-    """All tests of scripts/test but those of two modules in quadruple precision, and sizes.py, which measures times."""
-    test = os.path.join(top, "test")
+# Parts of scripts/test that are no stages: they look at sources, build by themselves, or measure times.
+ELSEWHERE = {"style", "layers", "page", "library", "quadruple", "units", "outside", "benches", "workbench", "sizes"}
+# Parts that are taken apart, because each of theirs runs other lines: where their names are, and the option before a name.
+DIVIDED = {"programs": (r"^if part (\w+); then", []), "files": (r"\b(?:for test in \()([\w,\s]+)\)", []),
+           "summary": (r"\b(?:for part in \()([\w,\s]+)\)", []), "pictures": (r'^    "(\w+)": ', ["--only"])}
+
+
+def parts_of_the_tests(top, release):
+    """Name and command of each part of scripts/test, in its order, with the programs of the build `release`."""
+    script = open(os.path.join(top, "scripts", "test"), encoding="utf-8").read().replace("\\\n", " ")
     python = os.path.join(TOP, ".venv", "bin", "python")
-    result = [Stage(name, [os.path.join(debug.tests, name)], ("debug",)) for name in debug.test_programs()]
-    script = open(os.path.join(test, "program", "programs.sh"), encoding="utf-8").read()
-    result += [Stage("programs: " + part, [os.path.join(test, "program", "programs.sh"), release.bin, part])
-               for part in re.findall(r"^if part (\w+); then", script, re.M)]
+    values = {"top": top, "prefix/bin": release.bin, "python": python}
+    for name, command in re.findall(r'^(?:! wanted \w+ \|\| |\[.*\] \|\| )?part (\w+) "[^"]*" (.*)$', script, re.M):
+        command = re.sub(r"\$(prefix/bin|top|python)", lambda found: values[found.group(1)], command.split(" #")[0])
+        words = shlex.split(command)
+        yield name, [python if word == "python3" else word for word in words]
+
+
+def listings(top, release):
+    """The comparison of each data set's listing with its reference."""
+    reference = os.path.join(top, "data", "reference")
+    for name in sorted(glob.glob(os.path.join(reference, "**", "*.lst"), recursive=True)):
+        name = os.path.relpath(name, reference)[:-4]
+        if os.path.exists(os.path.join(top, "data", name + ".nml")):
+            yield Stage("listing: " + name, [os.path.join(top, "scripts", "compare"), "--bin", release.bin, name])
+
+
+def stages(top, debug, release, quad):
+    """All tests of scripts/test but those of ELSEWHERE and of two modules in quadruple precision."""
+    test = os.path.join(top, "test")
+    result = list(listings(top, release))
+    result += [Stage(name, [os.path.join(debug.tests, name)], ("debug",)) for name in debug.test_programs()]
     # from C and Python, and the examples; that they build by themselves, and the package outside, is not asked here
     result += [Stage("C", ["sh", "-c", 'cc -std=c11 -I include c/test_psalm.c "$1" "-Wl,-rpath,$2" -lm -o "$2/test_capi" && "$2/test_capi" data',
                            "C", release.library, release.place])]
-    result += [Stage("Python", ["env", "PSALM_LIBRARY=" + release.library, "PYTHONPATH=python", python, "python/test_psalm.py", "data"])]
+    result += [Stage("Python", ["env", "PSALM_LIBRARY=" + release.library, "PYTHONPATH=python", os.path.join(TOP, ".venv", "bin", "python"),
+                                "python/test_psalm.py", "data"])]
     if any(source.startswith("example/") for source in release.order):
         result += [Stage("examples", [os.path.join(test, "program", "library.sh"), release.bin, release.examples])]
-    for folder, names in (("law", ("laws", "proofs", "narrow_places", "slide_pairs", "sketches", "ssics", "bridge", "links", "curves",
-                                   "kind_counts", "kind_search", "kinds", "larger_groups", "machines", "outputs",
-                                   "search_combinations", "allocation")),
-                          ("program", ("mistakes", "manual", "tables", "next_step", "reading")),
-                          ("published", ("muscle", "calm", "exact", "six_bars", "references", "published_numbers")),
-                          ("campaign", ("sketch_campaign",))):
-        result += [Stage(name.replace("_", " "), [python, os.path.join(test, folder, name + ".py"), release.bin]) for name in names]
-    for name, pattern in (("program/files", r"\b(?:for test in \()([\w,\s]+)\)"), ("law/summary", r"\b(?:for part in \()([\w,\s]+)\)")):
-        script = open(os.path.join(test, name + ".py"), encoding="utf-8").read()
-        result += [Stage(os.path.basename(name) + ": " + part, [python, os.path.join(test, name + ".py"), release.bin, part])
-                   for part in re.split(r",\s*", re.search(pattern, script).group(1))]
-    result += [Stage("fuzz", [python, os.path.join(test, "campaign", "fuzz.py"), release.bin, "--count", "600"])]
+    for name, command in parts_of_the_tests(top, release):
+        if name in ELSEWHERE:
+            continue
+        if name not in DIVIDED:
+            result.append(Stage(name, command))
+            continue
+        pattern, option = DIVIDED[name]
+        script = open(next(word for word in command if word.startswith(test)), encoding="utf-8").read()
+        parts = [part.strip() for found in re.findall(pattern, script, re.M) for part in found.split(",")]
+        result += [Stage("%s: %s" % (name, part), command + option + [part]) for part in parts]
     result += [Stage("processor", [os.path.join(test, "program", "processor.sh"), release.bin])]
     result += [Stage("hard cases", [os.path.join(test, "tools", "hard_cases.sh"), release.bin, quad.bin], ("release", "quad"))]
-    script = open(os.path.join(test, "web", "pictures.py"), encoding="utf-8").read()
-    result += [Stage("pictures: " + part, [python, os.path.join(test, "web", "pictures.py"), release.bin, "--only", part])
-               for part in re.findall(r'^    "(\w+)": ', script, re.M)]
     return result
