@@ -18,6 +18,7 @@ was missed, for tests that have changed since. --only REGEX asks the stages that
 The last line is N noticed, N missed; the exit status is 1 if fewer than 90 per cent are noticed.
 """
 import argparse
+import collections
 import glob
 import hashlib
 import json
@@ -435,13 +436,18 @@ class Trial:
             names = [name for name in questions if questions[name]]
             if not names:
                 break
-            # what many stages have run without noticing it, the next will hardly notice
-            freshest = {name: min(questions[name], key=lambda c: len(c["asked"])) for name in names}
-            name = max(names, key=lambda n: self.power(n)/(1 + len(freshest[n]["asked"])))
+            passed = collections.Counter(n for numbers in self.known["reached"].values() for n in numbers)
+
+            def doubt(change):
+                # what many stages pass, or passed without noticing it, is hardly the point of the next
+                return (1 + len(change["asked"]))*max(1, passed[change["number"]])**0.5
+
+            likeliest = {name: min(questions[name], key=doubt) for name in names}
+            name = max(names, key=lambda n: self.power(n)/doubt(likeliest[n]))
             if name not in self.known["reached"]:
                 self.look(name)
             else:
-                change = freshest[name]
+                change = likeliest[name]
                 self.ask(name, change, {"TRIAL_CHANGE": str(change["number"])})
             self.save()
 

@@ -119,6 +119,8 @@ def reference_cams(place):
     check(abs(run.extremes["rho_convex"][1] - 87.606) < 1e-3, "translating face: where it is", run.extremes["rho_convex"])
     close(abs(point(run, 40, "profile") - (27.375283607+19.254131182j)), 0.0, 1e-8, "translating face: contact at 40")
     close(run.at(40)["rho"], 47.231893490, 1e-9, "translating face: radius at 40")
+    row = run.at(40)
+    close(abs(point(run, 40, "contact") - complex(row["output1"], 30 + row["output"])), 0.0, 1e-9, "translating face: it touches at its height")
     close(run.extremes["excursion_most"][0], 2*12/(2*math.pi/3), 1e-12, "translating face: excursion is the velocity")
     close(run.extremes["least_base"][0], 6.398396903, 1e-8, "translating face: least base radius")
     run = Run(data("flat_swinging"), place)
@@ -405,6 +407,15 @@ def centres(place):
                              ("RROLL=8.0, RCUT=12.0", "RROLL=2.0, XCAM=%.17g, YCAM=%.17g" % (got.real, got.imag))), place)
             close(again.extremes["alpha_segment_1"][0], 30.0, 1e-11, "the smallest cam has the pressure angle allowed, rise")
             close(again.extremes["alpha_segment_3"][0], 30.0, 1e-11, "the smallest cam has the pressure angle allowed, return")
+            # far out, to both sides of the travel, the angle is allowed, too; the drawing has its origin in the centre
+            for far in (45000.0 + 95000.0j, -45000.0 + 95000.0j, 45000.0 - 95000.0j, -45000.0 - 95000.0j):
+                away = Run(data("translating_roller", ("ORIGLK=48.0, ORIGNG=80.405931773139", "ORIGLK=0.0"),
+                                ("RROLL=8.0, RCUT=12.0", "RROLL=2.0, XCAM=%.17g, YCAM=%.17g" % (far.real, far.imag))), place)
+                seen = far + 48.0j
+                inside = [all(((b - a).conjugate()*(seen - a)).imag*sign > 0 for (a, _), (b, _) in zip(line, line[1:] + line[:1]))
+                          for line in lines["CENTRES"] for sign in (1, -1)]
+                check(any(inside) == (away.extremes["alpha"][0] <= 30.0), "admissible centres: those where the angle is allowed",
+                      (far, inside, away.extremes["alpha"]))
 
 
 def forces(place):
@@ -426,6 +437,9 @@ def forces(place):
         close(force[60.0][1], math.sqrt(want/0.01*curvature/(math.pi*2*(1 - .09)/206e9)), 1e-9, "stress at the roller")
     else:
         check(False, "contact is lost at a speed", run.listing[-900:] + run.error)
+    # a spring shorter than free pushes the slide off
+    run = Run(head + mass % (90.0, 150.0) + " &CAM CAMRPM=600," + cam, place)
+    check(run.extremes["force_most"][0] < 0.0 and " CONTACT IS LOST AT REST" in run.listing, "contact is lost at rest", run.listing[-900:])
     # with friction: the balance of forces along the slide, at what is touched
     run = Run(head + mass % (90.0, 100 - 90/8) + " &CAM CAMRPM=600, CAMMU=0.2," + cam, place)
     rub = {float(r[0]): float(r[1]) for r in run.blocks["contact"]}

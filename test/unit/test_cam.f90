@@ -444,7 +444,7 @@ contains
       ! a quadratic is fitted exactly
       do i = -1, 1
          do k = -1, 1
-            f(i, k) = 7.0_wp + 2.0_wp*(real(i, wp) - 0.3_wp)**2 + (real(i, wp) - 0.3_wp)*(real(k, wp) + 0.2_wp) &
+            f(i, k) = 7.0_wp + 2.0_wp*(real(i, wp) - 0.3_wp)**2 + 0.7_wp*(real(i, wp) - 0.3_wp)*(real(k, wp) + 0.2_wp) &
                       + 3.0_wp*(real(k, wp) + 0.2_wp)**2
          end do
       end do

@@ -4,6 +4,7 @@
 usage: test/web/pictures.py PROGRAM_DIRECTORY [SCREENSHOT_DIRECTORY | --only PART[,PART ...]]. Last line: N passed, N failed.
 Readers are independent of balm: XML and JSON of Python, ezdxf, chromium.
 """
+import cmath
 import csv
 import glob
 import json
@@ -155,6 +156,20 @@ def compare_case(name, number, blocks, case):
             if None not in ends:
                 worst = max(worst, abs(math.hypot(ends[2] - ends[0], ends[3] - ends[1]) - bar["length"]) / size)
     check(law + "every link keeps its length at every position", worst < 1e-12, "%.1e" % worst)
+    path = picture.root.find('.//%spath[@id="path"]' % SVG)
+    if path is not None:
+        whole = None not in case["sweep"]["x"][out] and not case["sliding"]
+        check(law + "SVG: the path of a whole turn is closed", path.get("d").strip().endswith("Z") == whole, path.get("d")[-20:])
+    check(law + "SVG: a cross where a distance is measured from", ("#cross" in [e.get("href") for e in picture.of_class("axis")]) ==
+          (motion == "distance"))
+    for angle in row["angle"]:
+        start, shared, finish = (case["pairs"][angle["loop"] - 1][k] for k in ("start", "shared", "finish"))
+        for i, value in enumerate(angle["values"]):
+            if value is not None:
+                at = [complex(row["x"][j][i], row["y"][j][i]) for j in (start, shared, finish)]
+                between = abs(math.degrees(cmath.phase((at[0] - at[1])*(at[2] - at[1]).conjugate())))
+                if not check(law + "page: angle between the links of a dyad", abs(value - between) < 1e-6, "%s %s" % (value, between)):
+                    break
     compare_dxf(law, stem, case, joints, blocks)
     if motion == "angle" and out != base:
         check(law + "the output point lies in the direction of the output", all(
@@ -1097,6 +1112,9 @@ def test_chains():
         drawing = ezdxf.readfile(name + ".dxf")
         check(name + ": the DXF has no errors", not drawing.audit().errors and not drawing.audit().fixes)
         check(name + ": curves", len(plots_of(name + ".curves.svg")) >= len(scene["curves"]) and all(p.lines for p in plots_of(name + ".curves.svg")))
+    balm("--quiet", "--output-dir", ".", os.path.join(DATA, "horst_suspension.nml"))
+    scales = {panel["name"].split(",")[0]: panel["scale"] for panel in page_data("horst_suspension.html")[0]["panels"]}
+    check("suspension: a ratio is drawn by itself, lengths by the size", scales["leverage"] == 1 < scales["rise"] == scales["shock"], scales)
     slides = page_data("scissors_lift.html")[0]
     check("scissors lift: blocks stay on their rails", all(abs(slides["sweep"]["uy"][k][i]) < 1e-9 for k, slide in enumerate(slides["slides"])
           if isinstance(slides["sweep"]["uy"][k], list) for i in range(slides["sweep"]["n"])) and len(slides["slides"]) == 2)
