@@ -138,6 +138,13 @@ def test_mjcf(name, work):
     with open(os.path.join(work, name + ".kalm.csv"), encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     slides = name == "scissors_lift"
+    if slides:
+        now = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, now, 0)
+        mujoco.mj_forward(model, now)
+        blocks = [now.geom_xpos[k] for k in range(model.ngeom) if model.geom_type[k] == mujoco.mjtGeom.mjGEOM_SPHERE and model.geom_rgba[k][1] != model.geom_rgba[k][0]]
+        apart = [np.abs(now.xanchor - place).sum(axis=1).min() for place in blocks]
+        check(name + ": blocks are drawn at their joints", len(blocks) == 4 and max(apart) < 1e-9 * size, str(apart))
     first = next(c for c in rows[0] if c.startswith("input"))
     inputs = np.array([float(row[first]) for row in rows]) - model.numeric("input").data[0]
     # the drive of a second crank that is geared to the first is that one's, through the gear

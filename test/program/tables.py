@@ -281,9 +281,13 @@ def main(directory):
             check(stem + ": rates of every joint", all(j + "." + v in with_rates for j in own for v in ("vx", "vy", "ax", "ay")))
             check(stem + ": rates of every output", all(n + v in with_rates for n in names[:names.index(own[0] + ".x")]
                                                        if not n.startswith(("input", "closed")) and not n.endswith((".condition", ".desired", ".first", ".second")) for v in (".v", ".a")))
-        for name in ("needle", "engine", "textile", "door_five_poses", "actuator_davis_steering"):
+        # the needle and the steering turn, the piston slides, the textile linkage moves a point
+        for name, unit in (("needle", "deg"), ("engine", "length"), ("textile", "length"), ("door_five_poses", None),
+                           ("actuator_davis_steering", "deg")):
             case = os.path.join(data, name + ".nml")
-            columns = compare(psalm, case)["positions"]["columns"]
+            blocks = compare(psalm, case)
+            columns = blocks["positions"]["columns"]
+            check(name + ": unit of the output", unit in (None, blocks["summary"]["units"]["output_least"]), str(blocks["summary"]["units"]))
             _, heads, rows = device9(name + ".dev9")[0]
             for k, (head, column) in enumerate(zip(heads, ("input", "closed"))):
                 check(name + ": %s as on device 9" % head, [as_csv(v) for v in columns[column]] == [row[k] for row in rows])
@@ -318,6 +322,12 @@ def main(directory):
                 ("psalm", "adjustable_stroke.nml", {"positions", "sweep"})):
             found = compare(os.path.join(directory, program), os.path.join(data, case))
             check("%s, %s: blocks" % (program, case), blocks <= set(found), str(list(found)))
+            if "estimates" in blocks:
+                with open(os.path.join(data, "reference", case[:-4] + ".lst"), encoding="utf-8") as file:
+                    told = re.search(r"THAT STRENGTH ALLOWS +(\S+), OF A TIE ROD +(\S+)", file.read())
+                row = found["estimates"]["columns"]
+                check(case + ": what strength allows", all(near(row["least_frequency_per_speed" + n][0], float(v)) for n, v in zip(
+                    ("", "_of_tie_rod"), told.groups())), str(row))
         summaries(psalm, kalm, data)
         one_numbers(directory, data)
         two = "TWO DESIRED OUTPUTS\n &CHAIN JNT='A','B','C','D','P', JX=0.,0.,40.,70.,25., JY=0.,30.,60.,0.,70., LNK='A D','A B','B C P','C D' &END\n" \

@@ -177,6 +177,9 @@ def compare_case(name, number, blocks, case):
                                                        row["x"][out][i - 1] - row["x"][base][i - 1]))
                                - row["actual"][i - 1], 360)) < 1e-9 for i in closed))
 
+    check(law + "positions of the sweep have no numbers that a user knows", not any(
+        re.search(r"\bpositions? \d", v["text"]) for v in case["sweep"]["violations"]), str(case["sweep"]["violations"]))
+
     # the sweep against the block of IPLOT
     if len(blocks) > 1:
         sweep = case["sweep"]
