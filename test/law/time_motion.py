@@ -36,7 +36,10 @@ def heights():
 
 
 def known_numbers():
-    t, _ = run(data("pendulum"))
+    t, said = run(data("pendulum"))
+    told = re.search(r"Greatest speed +([\d.]+) rad/s", said)
+    check("pendulum: the words have its greatest speed, from level to the lowest", told is not None and
+          abs(float(told[1]) - math.sqrt(2.0*9.81)) < 1e-3)
     near(t["point_P.x"][-1], -.275087462576117, 2e-12, "pendulum, x after 10 s")
     near(t["point_P.y"][-1], -.961419205099125, 2e-12, "pendulum, y after 10 s")
     check("pendulum: energy in balance", np.max(np.abs(t["balance"])) < 1e-11)

@@ -145,6 +145,8 @@ def summaries(psalm, kalm, data):
         if "Error" in line:
             check(name + ": errors", all(near(row[n], told) for n, told in zip(("error_rms", "error_largest"), plain(line["Error"]))), line["Error"])
         check(name + ": kinds", all(kind in line["Kind"] for kind in blocks["loop_kinds"]["columns"]["kind"]), line["Kind"])
+    words = listing(psalm, os.path.join(data, "hoecken.nml"))[1]
+    check("a point does not reverse: nothing is told of dead points", "Closes" in words and "Dead points" not in words, words)
     case = os.path.join(data, "needle_masses.nml")
     arcs = compare(psalm, case)["arcs"]["columns"]
     with open("needle_masses.dev8", encoding="utf-8") as file:

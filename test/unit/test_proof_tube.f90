@@ -8,12 +8,14 @@ program test_proof_tube
    use psalm_kinds, only: wp, degrees_per_radian, radians_per_degree
    use psalm_proof_motion, only: proven_dead_point_t, quantity_output, quantity_turning
    use psalm_proof_study, only: proof_of_inputs, proof_of_turn
+   use psalm_proof_tube, only: tube_t, turning_point
    use psalm_status, only: diagnostics_t
    use psalm_text, only: full_precision, to_text
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
    type(checks_t) :: t
 
+   call turning_points()
    call rocker()
    call crank()
    call dead_points()
@@ -45,6 +47,24 @@ contains
       call study_chain(sets(1), 1.0_wp, 0.0_wp, s)
       call study_chain_proof(sets(1), s, range, proof)
    end subroutine prove
+
+   !> The way turns back within a tube if it is farther at the middle than at both ends, where a parabola has it.
+   subroutine turning_points()
+      real(wp), parameter :: slopes(4) = [0.0_wp, 0.4_wp, -0.4_wp, -0.6_wp]
+      type(tube_t) :: tube
+      real(wp) :: low, high
+      logical :: turns
+      integer :: i
+
+      tube%r = 1.0_wp
+      tube%holds = .true.
+      do i = 1, size(slopes)
+         tube%way = [3.0_wp, slopes(i), -1.0_wp, 0.0_wp]
+         call turning_point(tube, turns, low, high)
+         call t%is_true(turns .eqv. abs(slopes(i)) < 0.5_wp, 'a parabola turns back within the tube', to_text(i))
+         call holds(low, high, 3.0_wp + 0.5_wp*min(abs(slopes(i)), 0.5_wp)**2, 0.2_wp, 'how far a parabola goes')
+      end do
+   end subroutine turning_points
 
    !> A bracket holds a value and is narrow.
    subroutine holds(low, high, value, width, law)

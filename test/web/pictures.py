@@ -554,6 +554,8 @@ def test_proof():
     told = float(re.search(r"at least ([-\d.]+)", mark["text"])[1])
     apart = math.hypot(way[2] - way[0], way[3] - way[1]) - 0.5 * sum(link["width"] for link in tightest[0]["links"])
     check("the way between them is the clearance", mark["kind"] == "clearance" and near(apart, told, 1e-6, 1.0), (apart, told))
+    check("a clearance is drawn from each of its links", all(
+        len(one["links"]) == len(re.findall(r"\w-\w", proof["marks"][one["mark"]]["text"].split(":")[0])) for one in proof["near"]))
     check("every clearance has a mark", len(proof["near"]) == sum(m["kind"] == "clearance" for m in proof["marks"]) == 14, len(proof["near"]))
     balm("--quiet", "--output-dir", ".", os.path.join(DATA, "dwell_gap.nml"))
     marks = page_data("dwell_gap.html")[0]["proof"]["marks"]
