@@ -737,6 +737,16 @@ def sliding(place):
     code = [line for line in open(os.path.join(place, "case.calm.nc"), encoding="utf-8").read().split("\n") if re.match("G[0123] ", line)]
     last = {w[0]: float(w[1:]) for w in code[-1].split()}
     close(abs(complex(last["X"], last["Y"]) - cutter[-1]), 0.0, 1e-5, "sliding cam: the program ends where the path does")
+    # the drawing has room for the cam at both ends of its way, and curves below each other
+    text = open(os.path.join(place, "case.calm.svg"), encoding="utf-8").read()
+    right, down, scale, x, y = (float(v) for v in re.search(
+        r'transform="translate\((\S+) (\S+)\) scale\((\S+) \S+\) translate\((\S+) (\S+)\)"', text).groups())
+    ends = [right + scale*((complex(10, -30) + way + profile).real + x) for way in (0.0, 200.0)]
+    check(min(e.min() for e in ends) >= 0.0 and max(e.max() for e in ends) <= 860.0, "sliding cam: it stays on its picture", ends)
+    above = down + scale*abs(y)
+    frames = [(float(a), float(b)) for a, b in re.findall(r'class="frame" d="M\S+ ([\d.]+)H\S+V([\d.]+)H', text)]
+    check(len(frames) >= 3 and frames[0][0] > above and all(b[0] > a[1] for a, b in zip(frames, frames[1:])),
+          "sliding cam: its curves stand below each other", frames)
     # across a crooked way nothing changes but the axes
     crooked = Run(data("wedge_cam", ("CAMDIR=0.0", "CAMDIR=90.0"), ("ORIGLK=80.0, ORIGNG=0.0", "ORIGLK=80.0, ORIGNG=90.0"), ("CRNKI=180.0", "CRNKI=270.0"),
                        ("OUT0=180.0, SEGOUT=180.0,164.0,164.0,172.0,172.0", "OUT0=270.0, SEGOUT=270.0,254.0,254.0,262.0,262.0"),

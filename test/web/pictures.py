@@ -244,6 +244,8 @@ def test_cutting():
     at = next(i for i, v in enumerate(case["prescribed"]["delt"]) if v == 40)
     row, space = case["prescribed"], drawing.modelspace()
     place = {name: (row["x"][j][at], row["y"][j][at]) for j, name in enumerate(names) if name}
+    colours = [{layer.dxf.name: layer.color for layer in document.layers} for document in (drawing, flat)]
+    check("cutting: a link laid flat keeps its colour", sum(name.startswith("LINK_") and colours[0][name] == colour for name, colour in colours[1].items()) == 3, colours)
     pins = {(c.dxf.center.x, c.dxf.center.y): c.dxf.radius for c in space.query("CIRCLE")}
     check("cutting: pins of their size at the position of INCREM", set(pins) == {v for k, v in place.items() if k != "P"} and set(pins.values()) == {3.0}, "%s %s" % (pins, place))
     far = lambda a, b: math.dist(place[a], place[b])
@@ -626,6 +628,9 @@ def test_details():
     between = force[k] + (360 - inputs[k]) / (inputs[k + 1] - inputs[k]) * (force[k + 1] - force[k])
     check("pin: force of contact is that of bridge", abs(float(pin.get("data-force")) - between) < 1e-6 * max(force), "%s %s" % (pin.get("data-force"), between))
     hole, disc = pin.findall(SVG + "circle")
+    beside = 28.0 + 2.0*float(hole.get("r"))
+    keys = [float(e.get("x")) for e in Picture("four_bar_haines.svg").root.iter(SVG + "text") if e.get("class") == "key" and e.get("x")]
+    check("pin: its words stand beside the hole", min(keys[-2:]) > beside, "%s %s" % (keys, beside))
     check("pin: it touches its hole", abs(math.hypot(float(disc.get("cx")), float(disc.get("cy"))) + float(disc.get("r")) - float(hole.get("r"))) < 0.01)
 
 
