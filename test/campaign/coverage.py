@@ -77,7 +77,7 @@ def main():
     tree = os.path.join(PLACE, "tree")
     workshop.copy_tree(tree)
     subprocess.run(["rm", "-rf", os.path.join(PLACE, "counters")], check=True)
-    flags = ["-O1", "--coverage"] + workshop.setup_value("plain_flags")
+    flags = workshop.quick_flags() + ["--coverage"]
     build = workshop.Build(tree, os.path.join(tree, "build", "debug"), flags)
     build.all()
     everything, ran = measure(tree, build, options.quick)

@@ -233,6 +233,10 @@ def with_use(lines):
     return lines[:at + 1] + [USE] + lines[at + 1:]
 
 
+def results_of(seed):
+    return os.path.join(PLACE, "seed-%d.json" % seed)
+
+
 def first_failure(output):
     lines = output.strip().split("\n")
     return next((line for line in lines if line.startswith("FAILED")), lines[-1])[:200]
@@ -244,7 +248,7 @@ class Trial:
     def __init__(self, options):
         self.options = options
         self.tree = os.path.join(PLACE, "tree")
-        self.results = os.path.join(PLACE, "seed-%d.json" % options.seed)
+        self.results = results_of(options.seed)
         workshop.copy_tree(self.tree)
         self.write("src/base/psalm_trial_changes.f90", MODULE)
         self.write("src/base/psalm_trial_switch.c", SWITCH)
@@ -516,11 +520,11 @@ class Trial:
         self.ask_switched(end)
         self.ask_singles(end)
         for change in self.known["changes"]:
-            if change["noticed"] == "" and "checked" not in change:
+            if change["noticed"] == "" and "checked" not in change and time.monotonic() < end:
                 change["checked"] = True
                 if self.is_no_change(change):
                     change["noticed"] = None
-                self.save()
+        self.save()
 
 
 def report(known, count):
@@ -555,14 +559,12 @@ def main():
     options = parser.parse_args()
     os.nice(options.nice)
     os.makedirs(PLACE, exist_ok=True)
-    trial = Trial(options)
-    if options.report:
-        with open(trial.results, encoding="utf-8") as file:
-            trial.known = json.load(file)
-    else:
+    if not options.report:
+        trial = Trial(options)
         trial.prepare()
         trial.run()
-    noticed, missed = report(trial.known, options.count)
+    with open(results_of(options.seed), encoding="utf-8") as file:
+        noticed, missed = report(json.load(file), options.count)
     return noticed < LEAST/100.0*(noticed + missed)
 
 
