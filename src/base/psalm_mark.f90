@@ -3,7 +3,6 @@
 !> Every file of a run carries it, so that files of different runs can be distinguished.
 module psalm_mark
    use, intrinsic :: iso_fortran_env, only: int64
-   use psalm_system, only: hash
    implicit none (type, external)
    private
    public :: mark_t, mark_width
@@ -23,6 +22,7 @@ contains
 
    !> Take a text in; where one ends and the next begins counts too.
    pure subroutine add(self, text)
+      use psalm_system, only: hash
       class(mark_t), intent(inout) :: self
       character(*), intent(in) :: text
 

@@ -124,18 +124,11 @@ module psalm_time_motion
       procedure :: size_of_linkage
       procedure, private :: marks
       procedure, private :: go_to_first
-      procedure, private :: meet_stops
-      procedure, private :: rest_on_stops
-      procedure, private :: blow
       procedure, private :: settle
-      procedure, private :: choose_friction
       procedure, private :: longest_step
       procedure, private :: note
       procedure, private :: note_stability
-      procedure, private :: note_jump
       procedure, private :: switch
-      procedure, private :: look_ahead
-      procedure, private :: watch_folds
       procedure :: near_line
    end type time_motion_t
 
@@ -149,31 +142,6 @@ module psalm_time_motion
          logical, intent(out) :: valid
          integer, intent(in), optional :: stop, side
       end subroutine meet_stops
-
-      !> Joints that touch a stop and are pressed to it rest if their bounces are over, or would be in next to no time.
-      module subroutine rest_on_stops(self, touched, least, valid)
-         implicit none (type, external)
-         class(time_motion_t), intent(inout) :: self
-         integer, intent(in) :: touched(:)               !! by stop: side
-         real(wp), intent(in) :: least                   !! rate that counts as 0
-         logical, intent(out) :: valid
-      end subroutine rest_on_stops
-
-      !> Keep the rates of all drives before impacts, when the unknowns were `y_before`, and after them.
-      module subroutine note_jump(self, y_before)
-         implicit none (type, external)
-         class(time_motion_t), intent(inout) :: self
-         real(wp), intent(in) :: y_before(:)
-      end subroutine note_jump
-
-      !> A stop changes the rate of its joint: to minus `restitution` times that. What the drives that are not free give is work.
-      module subroutine blow(self, stop, restitution, impulse)
-         implicit none (type, external)
-         class(time_motion_t), intent(inout) :: self
-         integer, intent(in) :: stop
-         real(wp), intent(in) :: restitution
-         real(wp), intent(inout) :: impulse              !! N m s, N s times metre: it is added
-      end subroutine blow
 
       !> Which joints with friction are stuck, and which way others slip: those that move as they move; of those at rest all are
       !> stuck that friction can hold, and others slip the way that the force goes. One of them may be known to slip.
@@ -241,9 +209,9 @@ contains
       moving%motion%engaged = .not. moving%motion%model%friction%from > 0.0_wp
       call moving%rates(0.0_wp, moving%y, moving%first, valid)
       if (.not. valid) return
-      call moving%choose_friction(valid)
-      if (valid) call moving%meet_stops(valid)
-      if (valid) call moving%look_ahead(valid)
+      call choose_friction(moving, valid)
+      if (valid) call meet_stops(moving, valid)
+      if (valid) call look_ahead(moving, valid)
       if (valid) call moving%motion%anchor()
    end subroutine begin_motion
 
@@ -298,7 +266,7 @@ contains
       end do
       if (associated(self%stiff)) call self%stiff%close()
       call self%rates(self%time, self%y, self%first, valid)
-      if (valid .and. rubs) call self%choose_friction(valid)
+      if (valid .and. rubs) call choose_friction(self, valid)
    end subroutine switch
 
    !> Go on with the motion of before, which has been put in `motion` again.
@@ -446,10 +414,10 @@ contains
          self%tired = self%steps >= self%most_steps .and. self%time < self%end
          reached = .not. (self%crowded .or. self%endless .or. self%tired)
          if (.not. reached) return
-         call self%watch_folds()
+         call watch_folds(self)
          reached = self%folded == 0
          if (.not. reached) return
-         call self%look_ahead(reached)
+         call look_ahead(self, reached)
          if (.not. reached) return
          if (.not. allocated(self%joints) .or. self%motion%beside_change()) cycle
          call self%compare_drives(share, better)
@@ -602,13 +570,13 @@ contains
             end associate
          else if (crossing%rub /= rub_none) then
             if (crossing%rub == rub_stops .or. crossing%rub == rub_slips) &
-               call self%choose_friction(valid, crossing%stop, crossing%rub == rub_slips)
+               call choose_friction(self, valid, crossing%stop, crossing%rub == rub_slips)
          else if (crossing%lifts) then
             call self%note(event_t(time=self%time, kind=event_lift, stop=crossing%stop))
             self%motion%resting(crossing%stop) = side_none
             call self%rates(self%time, self%y, self%first, valid)
          else if (crossing%stop > 0) then
-            call self%meet_stops(valid, crossing%stop, crossing%side)
+            call meet_stops(self, valid, crossing%stop, crossing%side)
          end if
       end associate
 

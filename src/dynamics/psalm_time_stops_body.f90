@@ -28,7 +28,7 @@ contains
             part = merge(real(touched, wp)*motion%pace, 0.0_wp, touched /= side_none)
             k = maxloc(part, dim=1)
             if (.not. part(k) > least) exit
-            call self%blow(k, merge(0.0_wp, motion%stops(k)%restitution, motion%resting(k) /= side_none), impulse(k))
+            call blow(self, k, merge(0.0_wp, motion%stops(k)%restitution, motion%resting(k) /= side_none), impulse(k))
          end do
          do k = 1, size(touched)
             if (.not. abs(impulse(k)) > 0.0_wp) cycle
@@ -42,15 +42,20 @@ contains
          end do
       end associate
       if (any(abs(impulse) > 0.0_wp) .and. self%motion%rubs() > 0) then
-         call self%choose_friction(valid)
+         call choose_friction(self, valid)
       else
          call self%rates(self%time, self%y, self%first, valid)
       end if
-      if (valid) call self%rest_on_stops(touched, least, valid)
-      if (valid .and. any(abs(impulse) > 0.0_wp)) call self%note_jump(y_before)
+      if (valid) call rest_on_stops(self, touched, least, valid)
+      if (valid .and. any(abs(impulse) > 0.0_wp)) call note_jump(self, y_before)
    end procedure meet_stops
 
-   module procedure rest_on_stops
+   !> Joints that touch a stop and are pressed to it rest if their bounces are over, or would be in next to no time.
+   subroutine rest_on_stops(self, touched, least, valid)
+      class(time_motion_t), intent(inout) :: self
+      integer, intent(in) :: touched(:)               !! by stop: side
+      real(wp), intent(in) :: least                   !! rate that counts as 0
+      logical, intent(out) :: valid
       real(wp) :: away, toward, bounces, impulse, rate
       integer :: k
 
@@ -67,7 +72,7 @@ contains
                bounces = 2.0_wp*away/(toward*(1.0_wp - stop%restitution))
             end if
             rate = motion%pace(k)
-            call self%blow(k, 0.0_wp, impulse)
+            call blow(self, k, 0.0_wp, impulse)
             motion%resting(k) = touched(k)
             call self%note(event_t(self%time + bounces, event_rest, k, rate))
          end associate
@@ -75,9 +80,12 @@ contains
          call self%rates(self%time, self%y, self%first, valid)
          if (.not. valid) return
       end do
-   end procedure rest_on_stops
+   end subroutine rest_on_stops
 
-   module procedure note_jump
+   !> Keep the rates of all drives before impacts, when the unknowns were `y_before`, and after them.
+   subroutine note_jump(self, y_before)
+      class(time_motion_t), intent(inout) :: self
+      real(wp), intent(in) :: y_before(:)
       type(free_state_t) :: before, after
       real(wp) :: y(size(self%y))
       real(wp), allocatable :: more(:, :)
@@ -98,9 +106,14 @@ contains
       else
          self%jumps(:, self%jumped) = [self%time, after%input, before%rate, after%rate]
       end if
-   end procedure note_jump
+   end subroutine note_jump
 
-   module procedure blow
+   !> A stop changes the rate of its joint: to minus `restitution` times that. What the drives that are not free give is work.
+   subroutine blow(self, stop, restitution, impulse)
+      class(time_motion_t), intent(inout) :: self
+      integer, intent(in) :: stop
+      real(wp), intent(in) :: restitution
+      real(wp), intent(inout) :: impulse              !! N m s, N s times metre: it is added
       real(wp) :: change(size(self%size_of)), loosened(size(self%size_of)), yields, own
       integer :: f, d, k
 
@@ -123,5 +136,5 @@ contains
          end do
       end associate
       impulse = impulse + own
-   end procedure blow
+   end subroutine blow
 end submodule psalm_time_stops_body

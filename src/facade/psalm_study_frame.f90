@@ -6,7 +6,6 @@ module psalm_study_frame
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use psalm_case, only: case_t, make_ready, of_text, set_of, tell
    use psalm_data_set, only: data_set_t
-   use psalm_chain_report, only: unreached_words
    use psalm_devices, only: devices_t, drawing_t
    use psalm_error, only: motion_t, problem_t
    use psalm_finale, only: describe_violation
@@ -145,6 +144,7 @@ contains
 
    !> A warning for every violation.
    subroutine warn(problem, motion, findings)
+      use psalm_chain_report, only: unreached_words
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
       type(findings_t), intent(inout) :: findings

@@ -19,7 +19,6 @@ module psalm_free_motion
                                   friction_parts, &
                                   sources_of, source_inertia, source_weight
    use psalm_linear, only: solve_positive
-   use psalm_machine, only: motor_torque
    use psalm_motor_group, only: motor_group_t
    use psalm_potential, only: potential_energy, stretch_of, torsion
    use psalm_rates, only: rates_t, prepare_rates, differentiate
@@ -224,6 +223,7 @@ contains
    !> Accelerations of the free drives, what loads, motor and the drives that are not free put in, and what dampers take out.
    !> `valid` is false where a loop does not close (`open_loop`), or nothing has mass (`massless`).
    subroutine accelerate(self, time, q, v, a, work, loss, valid)
+      use psalm_machine, only: motor_torque
       class(free_motion_t), intent(inout) :: self
       real(wp), intent(in) :: time, q(:), v(:)          !! shape (free drives): radians or lengths, and by time
       real(wp), intent(out) :: a(:)
@@ -743,6 +743,7 @@ contains
 
    !> Everything at a moment, with accelerations that `accelerate` found there last. Larger groups are followed from here on.
    subroutine describe(self, time, q, v, a, state)
+      use psalm_machine, only: motor_torque
       class(free_motion_t), intent(inout) :: self
       real(wp), intent(in) :: time, q(:), v(:), a(:)
       type(free_state_t), intent(out) :: state

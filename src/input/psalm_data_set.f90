@@ -5,7 +5,6 @@
 module psalm_data_set
    use psalm_case_group, only: section_t, surroundings_t
    use psalm_chain_group, only: read_chain_group
-   use psalm_curve_group, only: expand_curve
    use psalm_constraint_group, only: constraint_group_t, range_positions, read_constraint_group, read_least_angle
    use psalm_friction_group, only: friction_group_t, read_friction_group
    use psalm_drives_group, only: read_drives_group
@@ -14,7 +13,6 @@ module psalm_data_set
    use psalm_kinds, only: wp, right_angle
    use psalm_kinds_defaults, only: complete_kinds_case
    use psalm_limits_group, only: limits_group_t, read_limits_group
-   use psalm_json_case, only: is_json, read_json_cases
    use psalm_links_group, only: links_group_t, read_links_group
    use psalm_load_group, only: load_group_t, read_load_group
    use psalm_mark, only: mark_t
@@ -25,7 +23,6 @@ module psalm_data_set
    use psalm_outputs_group, only: read_outputs_group
    use psalm_namelist, only: case_text_t, read_case
    use psalm_origin, only: origins_t, name_length
-   use psalm_rate_items, only: gives_rates
    use psalm_rates_group, only: rates_group_t, read_rates_group
    use psalm_search_group, only: search_group_t, read_search_group, pareto_largest
    use psalm_sketch, only: sketch_t, grid_digits, drive_turns, most_targets, output_angle, output_distance, output_pose, &
@@ -292,6 +289,7 @@ contains
 
    !> Read every case of some lines, up to the one with LAST=1.
    subroutine read_all(lines, reader, sets, findings)
+      use psalm_json_case, only: is_json
       type(line_t), intent(in) :: lines(:)
       character(*), intent(in) :: reader                     !! program
       type(data_set_t), allocatable, intent(inout) :: sets(:) !! empty
@@ -371,6 +369,7 @@ contains
 
    !> Read every case of a text in JSON. An array of cases has no LAST; it ends with the last.
    subroutine read_all_json(lines, reader, sets, findings)
+      use psalm_json_case, only: read_json_cases
       type(line_t), intent(in) :: lines(:)
       character(*), intent(in) :: reader                     !! program
       type(data_set_t), allocatable, intent(inout) :: sets(:)
@@ -406,6 +405,7 @@ contains
    end subroutine read_all_json
 
    subroutine read_set(case, program, set, findings)
+      use psalm_curve_group, only: expand_curve
       type(case_text_t), intent(inout) :: case
       character(*), intent(in) :: program
       type(data_set_t), intent(inout) :: set          !! as it is by default
@@ -837,6 +837,7 @@ contains
 
    !> The positions of a grid of strokes (NGRID), in place of those of &METHOD.
    subroutine fill_grid(method, drives, set, findings)
+      use psalm_rate_items, only: gives_rates
       type(group_t), intent(inout) :: method
       type(group_t), intent(in) :: drives
       type(data_set_t), intent(inout) :: set

@@ -9,7 +9,6 @@ module psalm_load_group
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take, take_count
    use psalm_text, only: to_text
-   use psalm_value_tables, only: table_items_t, read_value_tables
    implicit none (type, external)
    private
    public :: load_items
@@ -70,6 +69,7 @@ contains
 
    !> Read the group. Errors: arcs and tables that are not there, inputs of the tables that do not ascend.
    subroutine read_load_group(group, ilink, sketch, loads, findings)
+      use psalm_value_tables, only: table_items_t, read_value_tables
       type(group_t), intent(inout) :: group
       integer, intent(in) :: ilink(:, :)          !! ILINK, shape (maxarc, nloop)
       type(sketch_t), intent(in) :: sketch        !! its names stand in place of arcs and loops

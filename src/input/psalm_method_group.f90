@@ -6,10 +6,8 @@ module psalm_method_group
    use psalm_kinds, only: wp
    use psalm_links_group, only: original_arcs
    use psalm_output_kind, only: output_kind_t, output_kind, motion_point, motion_pose
-   use psalm_rate_items, only: read_rate_items
    use psalm_rule, only: rule_t, a_flag, a_number, a_whole
    use psalm_status, only: diagnostics_t
-   use psalm_system, only: memory_to_be_had
    use psalm_take, only: take, take_count
    use psalm_text, only: to_text
    implicit none (type, external)
@@ -191,6 +189,7 @@ contains
 
    !> Read the group. Errors: numbers out of range, fewer or more values than NDES.
    subroutine read_method_group(group, nloop, maxarc, shape_known, of_sketch, method, findings)
+      use psalm_system, only: memory_to_be_had
       type(group_t), intent(inout) :: group
       integer, intent(in) :: nloop, maxarc           !! of &LINKS; 0 if they are not valid
       logical, intent(in) :: shape_known             !! they are
@@ -257,6 +256,7 @@ contains
    !> Increments, desired values and weights: as many as NDES, and fillers up to the size of the original program's arrays
    !> (`161*0.0`, weights `181*1.0`). With IKIN they are not used, and may be any number.
    subroutine read_positions(group, of_sketch, method, findings)
+      use psalm_rate_items, only: read_rate_items
       type(group_t), intent(inout) :: group
       logical, intent(in) :: of_sketch
       type(method_group_t), intent(inout) :: method

@@ -5,8 +5,6 @@
 module psalm_source
    use, intrinsic :: iso_fortran_env, only: int64
    use psalm_status, only: diagnostics_t
-   use psalm_system, only: read_input, error_text, input_directory, input_has_zero, input_valid, input_too_large, &
-                           memory_to_be_had
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
@@ -31,6 +29,8 @@ contains
    !> Errors, in `findings`: a file that is missing, a directory, not readable or larger than 32 MB (exit status 3); one that is
    !> no text or has a line longer than 4 MB (2).
    subroutine read_lines(file, lines, findings, largest)
+      use psalm_system, only: read_input, error_text, input_directory, input_has_zero, input_valid, input_too_large, &
+                              memory_to_be_had
       character(*), intent(in) :: file                      !! name; `-` is standard input
       type(line_t), allocatable, intent(out) :: lines(:)    !! the lines; none after an error
       type(diagnostics_t), intent(inout) :: findings

@@ -9,7 +9,6 @@ module psalm_spring_group
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take, take_count
    use psalm_text, only: to_text
-   use psalm_value_tables, only: table_items_t, read_value_tables
    implicit none (type, external)
    private
    public :: spring_items
@@ -103,6 +102,7 @@ contains
 
    !> Read the group. Errors: arcs that are not there, negative lengths and damping.
    subroutine read_spring_group(group, ilink, sketch, springs, findings)
+      use psalm_value_tables, only: table_items_t, read_value_tables
       type(group_t), intent(inout) :: group
       integer, intent(in) :: ilink(:, :)          !! ILINK, shape (maxarc, nloop)
       type(sketch_t), intent(in) :: sketch        !! its names stand in place of arcs and loops

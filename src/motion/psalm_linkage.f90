@@ -8,7 +8,7 @@ module psalm_linkage
    use psalm_assur, only: mark_unknowns, bind_dyad, solve_dyad, is_signed, makes_tip
    use psalm_dyad, only: dyad_t, tip_t
    use psalm_group_rings, only: higher_t, known_turn_t
-   use psalm_higher_group, only: find_turns
+   use psalm_higher_group, only: find_turns, keep_turns
    use psalm_kinds, only: wp, i8, degrees_per_radian, radians_per_degree, right_angle
    use psalm_plan, only: plan_t, step_point, step_dyad, root_crank
    use psalm_rows, only: rows_t, make_rows
@@ -126,14 +126,6 @@ module psalm_linkage
          real(wp), intent(in), optional :: more(:, :, :) !! of the others, as `solve` has them
          logical, intent(inout) :: closed        !! every group before closes at every position; afterwards this one, too
       end subroutine follow_group
-
-      !> From now on larger groups are followed from where they stand at position i of the block, until the next `bind`.
-      pure module subroutine follow_from(self, i, inputs)
-         implicit none (type, external)
-         class(linkage_t), intent(inout) :: self
-         integer, intent(in) :: i
-         real(wp), intent(in) :: inputs(:)       !! shape (drives): increments there
-      end subroutine follow_from
    end interface
 
 contains
@@ -1103,4 +1095,24 @@ contains
       if (plan%length_slot(arc) > 0) length = self%store%v(i, self%slide(plan%length_slot(arc)))
       length = length/self%scale
    end subroutine arc_at
+
+   !> From now on larger groups are followed from where they stand at position i of the block, until the next `bind`.
+   pure subroutine follow_from(self, i, inputs)
+      class(linkage_t), intent(inout) :: self
+      integer, intent(in) :: i
+      real(wp), intent(in) :: inputs(:)       !! shape (drives): increments there
+      integer :: k, j
+
+      do k = 1, size(self%steps)
+         if (.not. allocated(self%steps(k)%dyad%higher)) cycle
+         associate (higher => self%steps(k)%dyad%higher)
+            call keep_turns(higher, self%store, i)
+            higher%from = higher%now
+            do j = 1, size(higher%known)
+               higher%known(j)%from = higher%known(j)%now
+            end do
+         end associate
+      end do
+      self%from = inputs
+   end subroutine follow_from
 end module psalm_linkage

@@ -400,25 +400,6 @@ contains
       leaps = beyond > 0
    end function leaps
 
-   pure module subroutine follow_from(self, i, inputs)
-      class(linkage_t), intent(inout) :: self
-      integer, intent(in) :: i
-      real(wp), intent(in) :: inputs(:)
-      integer :: k, j
-
-      do k = 1, size(self%steps)
-         if (.not. allocated(self%steps(k)%dyad%higher)) cycle
-         associate (higher => self%steps(k)%dyad%higher)
-            call keep_turns(higher, self%store, i)
-            higher%from = higher%now
-            do j = 1, size(higher%known)
-               higher%known(j)%from = higher%known(j)%now
-            end do
-         end associate
-      end do
-      self%from = inputs
-   end subroutine follow_from
-
    !> Put a larger group, and those that it depends on, together in the drawing, or where they are followed from.
    pure subroutine start(self, k, walk, valid)
       class(linkage_t), intent(inout) :: self

@@ -2,7 +2,6 @@
 module psalm_plot_svg
    use psalm_kinds, only: wp
    use psalm_markup, only: xml_text
-   use psalm_panels, only: flat
    use psalm_plot, only: plot_t, plot_line_t, values_seen, look_area, look_dashed, look_dots, look_dotted, look_joined, &
                          look_rings, look_steps, look_thin
    use psalm_svg_frame, only: pixels
@@ -107,6 +106,7 @@ contains
 
    !> Bottom and top, of a logarithmic plot powers of ten. An axis does not magnify the rounding of a constant.
    subroutine find_range(plot, low, high)
+      use psalm_panels, only: flat
       type(plot_t), intent(in) :: plot
       real(wp), intent(out) :: low, high
       real(wp), allocatable :: values(:)

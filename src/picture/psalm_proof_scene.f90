@@ -1,8 +1,5 @@
 !> What pictures show of a proof of the motion: where it opens, extremes, dead points, the least clearances; and links with a width.
 module psalm_proof_scene
-   use psalm_chain_proof_list, only: links_of_group, name_of_quantity, ratio_of
-   use psalm_chain_proof_study, only: chain_proof_t, place_on, place_of_extreme, prove_loops
-   use psalm_chain_study, only: chain_study_t
    use psalm_clearances, only: clearance_t, list_clearances, find_depth, points_of_clearance
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
@@ -139,6 +136,9 @@ contains
 
    !> What is proven of a sketch with a larger group, in the poses of its links.
    subroutine add_proof_of_poses(set, problem, dimensions, scene, found)
+      use psalm_chain_study, only: chain_study_t
+      use psalm_chain_proof_study, only: chain_proof_t, place_on, place_of_extreme, prove_loops
+      use psalm_chain_proof_list, only: links_of_group, name_of_quantity, ratio_of
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions

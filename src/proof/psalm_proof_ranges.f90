@@ -8,7 +8,6 @@ module psalm_proof_ranges
    use psalm_kinds, only: wp, right_angle
    use psalm_proof, only: proof_t, proof_linkage_t, rounded, piece_closes, piece_opens, cause_too_short, cause_link, &
                           cause_parallel
-   use psalm_proof_closure, only: piece_t, find_pieces
    use psalm_proof_extremes, only: place_t, greatest_t, find_greatest
    use psalm_proof_extremes_quad, only: fine_place_t => place_t, fine_greatest_t => greatest_t, find_fine_greatest => find_greatest
    use psalm_proof_groups, only: prepare_models
@@ -316,6 +315,7 @@ contains
    !>
    !> At most `largest`. Proven in the working precision.
    subroutine prove_tolerance(linkage, from, to, largest, tolerance)
+      use psalm_proof_closure, only: piece_t, find_pieces
       type(proof_linkage_t), intent(inout) :: linkage          !! bound
       real(wp), intent(in) :: from, to
       real(wp), intent(in) :: largest                    !! in the user's unit

@@ -3,7 +3,6 @@
 !> A loop may run parallel to a link that only slides on others (a dyad of a pin and two slides, say), and then has another joint
 !> in the place of one of the sketch's: positions are the same, forces are not.
 module psalm_loop_forces
-   use psalm_allocation_group, only: allocation_group_t, allocation_of
    use psalm_body_points, only: locate_point
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
@@ -12,7 +11,6 @@ module psalm_loop_forces
    use psalm_parameters, only: parameters_t
    use psalm_place, only: place_t
    use psalm_plate_group, only: plate_group_t, plates_of
-   use psalm_setup, only: set_up
    use psalm_sketch, only: frame_link
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
@@ -23,6 +21,7 @@ contains
 
    !> True for a case with masses, loads, springs or friction, or with clearances, whose effects are forces of joints.
    pure logical function asks_for_forces(set)
+      use psalm_allocation_group, only: allocation_group_t, allocation_of
       type(data_set_t), intent(in) :: set
       type(allocation_group_t) :: allocation
 
@@ -36,6 +35,7 @@ contains
    !> True if every joint of a sketch's loops is one of the sketch, between the same links, and every place of a mass, load,
    !> spring or shoe is on its link. Also true where the loops have mistakes: those are reported elsewhere.
    logical function loops_carry_forces(set)
+      use psalm_setup, only: set_up
       type(data_set_t), intent(in) :: set                !! with the loops chosen
       class(mechanism_t), allocatable :: mechanism
       type(dimensions_t) :: dimensions

@@ -5,8 +5,6 @@
 !> is cut where what is left out is small. Its coefficients are cosine transforms of values at Chebyshev's points.
 module psalm_dependent_joints
    use psalm_angles, only: unit_vector
-   use psalm_chain_proof_study, only: chain_proof_t, prove_loops
-   use psalm_chain_study, only: chain_study_t
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
@@ -43,6 +41,8 @@ contains
    !> The range of the first drive that is proven to close: increments from its reference in degrees or user's length. A turn that
    !> closes everywhere is whole; ends at dead points lie before them. `low` equals `high` where nothing is proven.
    subroutine find_proven_range(set, problem, dimensions, at, low, high, whole)
+      use psalm_chain_study, only: chain_study_t
+      use psalm_chain_proof_study, only: chain_proof_t, prove_loops
       type(data_set_t), intent(in) :: set
       class(problem_t), intent(in) :: problem       !! of the positions of the case
       type(dimensions_t), intent(in) :: dimensions

@@ -1,20 +1,17 @@
 !> A case made ready for a study: its topology and dimensions, understood once, with every mistake found before any work is done.
 module psalm_preparation
    use, intrinsic :: iso_fortran_env, only: int64
-   use psalm_allocation, only: check_allocation
    use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
    use psalm_dyad_groups, only: dyads_of_variables
    use psalm_dyad_kind, only: assur_higher
    use psalm_error, only: inputs_of
    use psalm_family_study, only: sets_one_of
-   use psalm_force_model, only: force_model_t, forces_wanted, make_force_model
    use psalm_group_anchor, only: choose_anchor
    use psalm_kinds, only: wp
    use psalm_regions, only: check_regions
    use psalm_setup, only: set_up
    use psalm_source, only: line_t
-   use psalm_start, only: read_vertices
    use psalm_search, only: result_t
    use psalm_status, only: diagnostics_t
    use psalm_system, only: memory_to_be_had, threads_to_be_had
@@ -54,6 +51,9 @@ contains
    !> that are not there, supplied vertices that cannot be read, masses and loads that are on no link. Without an error
    !> `prepared%ready` is true.
    subroutine prepare(set, supplied, prepared, findings, need)
+      use psalm_start, only: read_vertices
+      use psalm_force_model, only: force_model_t, forces_wanted, make_force_model
+      use psalm_allocation, only: check_allocation
       type(data_set_t), intent(in) :: set
       type(line_t), intent(in) :: supplied(:)            !! device 4, empty if none
       type(prepared_t), intent(out) :: prepared

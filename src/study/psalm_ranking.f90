@@ -4,7 +4,6 @@
 !> Errors, transmission angle and turning are those of `psalm_summary`. The box is sampled every degree (a sliding input: in 360
 !> steps), over the full turn if the linkage closes there, else over the prescribed inputs.
 module psalm_ranking
-   use psalm_allocation, only: allocation_t, study_allocation
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_elementary, only: hypotenuse
@@ -20,7 +19,6 @@ module psalm_ranking
    use psalm_sort, only: ascending
    use psalm_stop, only: stop_t
    use psalm_summary, only: summary_t, summarise, unit_width
-   use psalm_tolerance, only: deviating_t, tolerance_t, find_tolerances
    implicit none (type, external)
    private
    public :: ranked_t, rate_linkage, figure_of, unbeaten, least_sensitive_first
@@ -145,6 +143,7 @@ contains
 
    !> Root-sum-square band of the tolerances at the position where it is widest.
    subroutine find_band(set, problem, dimensions, delt, ranked)
+      use psalm_tolerance, only: deviating_t, tolerance_t, find_tolerances
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
@@ -173,6 +172,7 @@ contains
 
    !> What the cheapest tolerances within the bands cost.
    subroutine find_cost(set, problem, dimensions, delt, ranked)
+      use psalm_allocation, only: allocation_t, study_allocation
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions

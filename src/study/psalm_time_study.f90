@@ -18,7 +18,6 @@ module psalm_time_study
    use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs
    use psalm_sketch_study, only: sketch_study_t
    use psalm_status, only: diagnostics_t
-   use psalm_time_chart, only: time_chart_t, list_drives, exchange_drives
    use psalm_time_group, only: time_group_t, time_of
    use psalm_stops_group, only: stops_group_t, stops_of
    use psalm_time_motion, only: time_motion_t, event_t, begin_motion
@@ -189,6 +188,7 @@ contains
 
    !> Follow a case that `check_time` found no fault with.
    subroutine find_time(set, given, dimensions, forces, study, stop, times)
+      use psalm_time_chart, only: time_chart_t, list_drives, exchange_drives
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions

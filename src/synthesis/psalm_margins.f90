@@ -11,7 +11,6 @@ module psalm_margins
    use psalm_dyad_kind, only: assur_higher, assur_prp, assur_prr, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_rrr
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian, right_angle
-   use psalm_merit, only: constraint_inputs
    use psalm_output_kind, only: motion_point
    use psalm_place, only: beside_t
    use psalm_regions, only: edge_distance, box_edges
@@ -79,6 +78,7 @@ contains
 
    !> Make ready for a problem with its inputs.
    subroutine prepare_inspector(set, problem, toggle, inspector)
+      use psalm_merit, only: constraint_inputs
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       logical, intent(in) :: toggle                !! TOGGLE is a constraint, not only a distance of repair
@@ -128,6 +128,7 @@ contains
    !>
    !> With `hasty` narrow places are left out where something is violated anyway.
    subroutine inspect(inspector, dimensions, delt, margins, hasty)
+      use psalm_merit, only: constraint_inputs
       type(inspector_t), intent(inout) :: inspector
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: delt(:)              !! shape (positions)

@@ -21,7 +21,6 @@ module psalm_merit
    use psalm_search_group, only: order_free
    use psalm_similarity, only: similarity_t, fit_similarity, errors_of, take_out_similarity
    use psalm_sort, only: pool_rising
-   use psalm_start, only: random_limits
    use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples, linearise_samples, exceeds
    use psalm_desired_rates, only: desired_rates_t, prepare_desired_rates, find_desired_rates, differentiate_desired_rates, &
                                  sum_of_rate_errors, all_rates_exist
@@ -91,6 +90,7 @@ contains
 
    !> Make a search ready. `first` is the linkage the bounds of lengths are derived from where none are given.
    subroutine prepare_merit(set, problem, first, merit)
+      use psalm_start, only: random_limits
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem        !! with desired values
       real(wp), intent(in) :: first(:)              !! shape (nvar)

@@ -14,7 +14,6 @@ module psalm_search
    use psalm_free_start, only: free_start_t, prepare_free_start, make_free_start
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
-   use psalm_random_batch, only: draw_batch
    use psalm_merit, only: merit_t, prepare_merit, eliminate_linear, forget_sides, hold, hold_place, let_go, set_range, &
                           extra_positions
    use psalm_multistart, only: candidate_t, multistart_t, starter_t, promise_of
@@ -839,6 +838,7 @@ contains
 
    !> The best linkage of a batch whose proportions and inputs alone are drawn, improved.
    subroutine start_with_batch(self, number, candidate)
+      use psalm_random_batch, only: draw_batch
       class(worker_t), intent(inout) :: self
       integer, intent(in) :: number
       type(candidate_t), intent(inout) :: candidate

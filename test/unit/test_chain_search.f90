@@ -139,15 +139,15 @@ contains
                                              ' &CONSTR IRANGE=2, TRMIN=45. &END &METHOD IFREE=0', &
                                              ' &CONSTR IRANGE=2, TRMIN=45. &END &METHOD IFREE=1', &
                                              ' &CONSTR IRANGE=1, TRMIN=50. &END &METHOD IFREE=0']
-      type(data_set_t) :: set
-      type(diagnostics_t) :: findings
-      type(prepared_t) :: prepared
-      type(problem_t) :: problem
-      type(synthesis_t) :: by_loops
-      type(chain_synthesis_t) :: by_poses
-      type(dimensions_t) :: dimensions
-      type(line_t) :: none(0)
-      type(stop_t) :: stop
+      type(data_set_t), save :: set
+      type(diagnostics_t), save :: findings
+      type(prepared_t), save :: prepared
+      type(problem_t), save :: problem
+      type(synthesis_t), save :: by_loops
+      type(chain_synthesis_t), save :: by_poses
+      type(dimensions_t), save :: dimensions
+      type(line_t), save :: none(0)
+      type(stop_t), save :: stop
       integer :: k
 
       do k = 1, size(asked)
@@ -173,16 +173,16 @@ contains
    !> A four-bar has loops and poses: what another one does is found again by either, the desired values being those of &METHOD or
    !> of &OUTPUTS.
    subroutine same_as_loops()
-      type(data_set_t) :: set
-      type(diagnostics_t) :: findings
-      type(prepared_t) :: prepared
-      type(problem_t) :: problem
-      type(synthesis_t) :: by_loops
-      type(chain_synthesis_t) :: by_poses
-      type(chain_study_t) :: other, study
-      type(dimensions_t) :: dimensions
-      type(line_t) :: none(0)
-      type(stop_t) :: stop
+      type(data_set_t), save :: set
+      type(diagnostics_t), save :: findings
+      type(prepared_t), save :: prepared
+      type(problem_t), save :: problem
+      type(synthesis_t), save :: by_loops
+      type(chain_synthesis_t), save :: by_poses
+      type(chain_study_t), save :: other, study
+      type(dimensions_t), save :: dimensions
+      type(line_t), save :: none(0)
+      type(stop_t), save :: stop
       character(*), parameter :: method = ' &METHOD NDES=6, DELT=0.0,20.0,40.0,60.0,80.0,100.0', &
                                  search = " &SEARCH SOLVER='LSQ' &END"//nl
       character(200) :: x, y
@@ -221,16 +221,16 @@ contains
    subroutine off_the_arcs()
       character(*), parameter :: links = " LNK='A D','A B','B C P Q','C D'", &
          method = ' &METHOD NDES=6, DELT=0.,20.,40.,60.,80.,100. &END'//nl//" &SEARCH SOLVER='LSQ' &END"//nl
-      type(data_set_t) :: set
-      type(diagnostics_t) :: findings
-      type(prepared_t) :: prepared
-      type(problem_t) :: problem
-      type(synthesis_t) :: by_loops
-      type(chain_synthesis_t) :: by_poses
-      type(chain_study_t) :: other
-      type(dimensions_t) :: dimensions
-      type(line_t) :: none(0)
-      type(stop_t) :: stop
+      type(data_set_t), save :: set
+      type(diagnostics_t), save :: findings
+      type(prepared_t), save :: prepared
+      type(problem_t), save :: problem
+      type(synthesis_t), save :: by_loops
+      type(chain_synthesis_t), save :: by_poses
+      type(chain_study_t), save :: other
+      type(dimensions_t), save :: dimensions
+      type(line_t), save :: none(0)
+      type(stop_t), save :: stop
       character(:), allocatable :: text
       character(400) :: p, q
 
@@ -361,11 +361,11 @@ contains
 
    !> Several drives, one of them a floating cylinder: what a linkage of known dimensions does is found again.
    subroutine floating_cylinder()
-      type(data_set_t) :: set
-      type(diagnostics_t) :: findings
-      type(chain_study_t) :: study
-      type(chain_synthesis_t) :: search
-      type(stop_t) :: stop
+      type(data_set_t), save :: set
+      type(diagnostics_t), save :: findings
+      type(chain_study_t), save :: study
+      type(chain_synthesis_t), save :: search
+      type(stop_t), save :: stop
       character(*), parameter :: rest = " JY=1.5,1.0,3.4,3.9,3.2,3.9,3.7,1.9,1.6,2.3,2.4,0.5,"//nl// &
          " LNAME='base','boom','stick','tie','rocker','bucket', LNK='AB','ACDE','EFGHK','HJ','JI','KIT',"//nl// &
          " VARY='A C','H J','K T','angle K I K T' &END"//nl// &

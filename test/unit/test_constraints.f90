@@ -129,9 +129,9 @@ contains
 
    !> Output and constraints are continuous where a dyad opens: the merit has no jump.
    subroutine across_closing()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(merit_t) :: merit
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(merit_t), save :: merit
       real(wp), allocatable :: values(:)
       real(wp) :: total, before, objective, violation, step
       integer :: i
@@ -201,10 +201,10 @@ contains
 
    !> Gradient of the merit, and slopes of single constraints, against differences: violated angles, regions, range, free timing.
    subroutine gradients()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(merit_t) :: merit
-      type(normal_equations_t) :: equations
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(merit_t), save :: merit
+      type(normal_equations_t), save :: equations
       real(wp), allocatable :: values(:), x(:), gradient(:), ahead(:), behind(:), slopes(:, :)
       real(wp) :: up, down, worst
       integer :: v, variant, n
@@ -286,10 +286,10 @@ contains
 
    !> The least margin of a crank-rocker is where crank and frame are in line: cos mu = (p^2 + q^2 - (d -+ a)^2)/(2 p q).
    subroutine whole_turn()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(inspector_t) :: inspector
-      type(margin_t), allocatable :: margins(:)
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(inspector_t), save :: inspector
+      type(margin_t), allocatable, save :: margins(:)
       real(wp) :: a, p, q, d, least
       integer :: i
 
@@ -333,10 +333,10 @@ contains
 
    !> A slider that runs along the edge of its box and just beyond the next one: at the stretched crank, between two steps.
    subroutine box_of_slider()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(inspector_t) :: inspector
-      type(margin_t), allocatable :: margins(:)
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(inspector_t), save :: inspector
+      type(margin_t), allocatable, save :: margins(:)
       real(wp) :: farthest
 
       call load_case('dyad4_slider_crank', problem, set)
@@ -357,13 +357,13 @@ contains
 
    !> A slotted arm on a straight guide: the angle between the slides is 90 degrees less that of the arm.
    subroutine parallel_slides()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(inspector_t) :: inspector
-      type(margin_t), allocatable :: margins(:)
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(inspector_t), save :: inspector
+      type(margin_t), allocatable, save :: margins(:)
       real(wp), allocatable :: values(:), delt(:)
-      type(merit_t) :: merit
-      type(timing_t) :: whole
+      type(merit_t), save :: merit
+      type(timing_t), save :: whole
       real(wp) :: objective
       integer :: loop, far
       logical :: valid
@@ -426,9 +426,9 @@ contains
 
    !> An angle out of its limits between the prescribed positions: a search over the range does not accept it.
    subroutine angle_between_positions()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(merit_t) :: merit
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(merit_t), save :: merit
       real(wp), allocatable :: values(:)
       real(wp) :: objective
       logical :: valid
@@ -452,10 +452,10 @@ contains
 
    !> A forbidden region that is touched within rounding of the longest link is none that is entered.
    subroutine touched_region()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(inspector_t) :: inspector
-      type(margin_t), allocatable :: margins(:)
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(inspector_t), save :: inspector
+      type(margin_t), allocatable, save :: margins(:)
       real(wp), parameter :: depth(2) = [5.0e-8_wp, 5.0e-7_wp] !! the rod is 140 long, rounding 1e-9 of it
       integer :: i
 
@@ -479,9 +479,9 @@ contains
 
    !> What only the topology shows: a full turn of a sliding input, a joint that is not there.
    subroutine impossible_regions()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(diagnostics_t) :: findings
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(diagnostics_t), save :: findings
 
       call load_case('actuator_davis_steering', problem, set)
       set%constr%irange = range_turn
@@ -573,11 +573,11 @@ contains
 
    !> Free timing of angles: whole turns in what is wanted change nothing, and the angle is met within a step.
    subroutine timing_of_angles()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(merit_t) :: merit
-      type(timing_t) :: whole
-      type(sample_set_t) :: samples
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(merit_t), save :: merit
+      type(timing_t), save :: whole
+      type(sample_set_t), save :: samples
       real(wp), allocatable :: delt(:), found(:, :), wanted(:)
       integer :: turns, i
 
@@ -615,10 +615,10 @@ contains
 
    !> NLopt: the same answer for any number of threads.
    subroutine solvers()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(result_t) :: one, two
-      type(stop_t) :: never
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(result_t), save :: one, two
+      type(stop_t), save :: never
       real(wp), allocatable :: first(:), none(:, :)
 
       call load_case('path5', problem, set)
@@ -639,7 +639,7 @@ contains
 
    !> A study is to end when its host says so, or when its time is up.
    subroutine interruption()
-      type(stop_t) :: stop, copy
+      type(stop_t), save :: stop, copy
       type(host_t), target :: host
       integer(int64) :: now, before
 

@@ -383,9 +383,9 @@ contains
 
    !> A closed form: the travel of a Scotch yoke is r cos a, the squares of its speed and acceleration add up to that of r.
    subroutine scotch_yoke()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(desired_rates_t) :: wanted
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(desired_rates_t), save :: wanted
       real(wp) :: r
       integer :: i
 
@@ -402,14 +402,14 @@ contains
 
    !> A linkage at a dead point is refused where a derivative is wanted there; what is open has no derivatives.
    subroutine without_derivatives()
-      type(data_set_t) :: set
-      type(diagnostics_t) :: findings
-      type(prepared_t) :: prepared
+      type(data_set_t), save :: set
+      type(diagnostics_t), save :: findings
+      type(prepared_t), save :: prepared
       type(problem_t), target :: problem
-      type(merit_t) :: merit
-      type(analysis_t) :: analysis
-      type(line_t) :: none(0)
-      type(vertex_problem_t) :: vertex
+      type(merit_t), save :: merit
+      type(analysis_t), save :: analysis
+      type(line_t), save :: none(0)
+      type(vertex_problem_t), save :: vertex
       real(wp), allocatable :: first(:)
       real(wp) :: objective
       logical :: feasible
@@ -454,16 +454,16 @@ contains
 
    !> Every way to search meets values and slopes of a known crank-rocker, two lengths of which are sought.
    subroutine solvers()
-      type(data_set_t) :: set
-      type(diagnostics_t) :: findings
-      type(prepared_t) :: prepared
-      type(problem_t) :: problem
-      type(synthesis_t) :: found
-      type(dimensions_t) :: dimensions
-      type(analysis_t) :: analysis
-      type(line_t) :: none(0)
-      type(stop_t) :: stop
-      type(text_t) :: text
+      type(data_set_t), save :: set
+      type(diagnostics_t), save :: findings
+      type(prepared_t), save :: prepared
+      type(problem_t), save :: problem
+      type(synthesis_t), save :: found
+      type(dimensions_t), save :: dimensions
+      type(analysis_t), save :: analysis
+      type(line_t), save :: none(0)
+      type(stop_t), save :: stop
+      type(text_t), save :: text
       character(:), allocatable :: targets
       character(*), parameter :: ways(4) = [character(60) :: '', " &SEARCH SOLVER='LSQ' &END", " &SEARCH SOLVER='LD_SLSQP' &END", &
          " &SEARCH SOLVER='LN_SBPLX', MAXEVAL=4000 &END"]

@@ -59,9 +59,9 @@ contains
    end function slide
 
    subroutine in_memory()
-      type(analysis_t) :: analysis
-      type(findings_t) :: findings
-      type(report_t) :: report
+      type(analysis_t), save :: analysis
+      type(findings_t), save :: findings
+      type(report_t), save :: report
 
       call analyse(slider_crank(), analysis, findings, report=report)
       call t%equal_integer(findings%count, 0, 'a case made in memory: no findings')
@@ -74,10 +74,10 @@ contains
 
    !> From text, from a file, in memory: the same bits.
    subroutine from_text()
-      type(case_t) :: made
-      type(case_t), allocatable :: of_text(:), of_file(:), again(:)
-      type(analysis_t) :: one, two, three, four
-      type(findings_t) :: findings
+      type(case_t), save :: made
+      type(case_t), allocatable, save :: of_text(:), of_file(:), again(:)
+      type(analysis_t), save :: one, two, three, four
+      type(findings_t), save :: findings
 
       call read_text('OFFSET SLIDER-CRANK'//nl//links//method, of_text, findings)
       call read_file('data/dyad4_slider_crank.nml', of_file, findings)
@@ -98,9 +98,9 @@ contains
 
    !> Findings name the line of the text.
    subroutine places()
-      type(case_t), allocatable :: cases(:)
-      type(analysis_t) :: analysis
-      type(findings_t) :: findings
+      type(case_t), allocatable, save :: cases(:)
+      type(analysis_t), save :: analysis
+      type(findings_t), save :: findings
       integer :: at
 
       at = index(links, 'NOUTLK=3')
@@ -117,9 +117,9 @@ contains
 
    !> Whatever is missing or wrong comes back as a finding; results are empty.
    subroutine incomplete()
-      type(case_t) :: empty, some
-      type(case_t), allocatable :: cases(:)
-      type(findings_t) :: findings, taken
+      type(case_t), save :: empty, some
+      type(case_t), allocatable, save :: cases(:)
+      type(findings_t), save :: findings, taken
       real(wp) :: none(0)
 
       call refused(empty, 'the case is empty', 'an empty case')
@@ -271,9 +271,9 @@ contains
 
    !> The same speed in each unit; units that do not fit the input.
    subroutine units_of_speed()
-      type(case_t) :: case
-      type(rate_study_t) :: rate_of
-      type(findings_t) :: findings
+      type(case_t), save :: case
+      type(rate_study_t), save :: rate_of
+      type(findings_t), save :: findings
       character(*), parameter :: units(*) = [character(7) :: 'RAD/S', 'DEG/S', 'REV/S', 'REV/MIN', 'RPM']
       real(wp), parameter :: turn = 2.0_wp*acos(-1.0_wp)
       real(wp), parameter :: speeds(*) = [turn, 360.0_wp, 1.0_wp, 60.0_wp, 60.0_wp]
@@ -301,11 +301,11 @@ contains
 
    !> A search in memory, and what it found as a case.
    subroutine searched()
-      type(case_t) :: path, best
-      type(synthesis_t) :: search, shared
-      type(analysis_t) :: analysis
-      type(findings_t) :: findings
-      type(wanted_t) :: wanted
+      type(case_t), save :: path, best
+      type(synthesis_t), save :: search, shared
+      type(analysis_t), save :: analysis
+      type(findings_t), save :: findings
+      type(wanted_t), save :: wanted
       integer :: k
 
       path = path_of_five_points()
@@ -347,12 +347,12 @@ contains
          " &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point Q' &END"//nl// &
          ' &METHOD NDES=3, DELT=0.,30.,60., DESX=80.5,70.1109,58.6497, DESY=139.7,132.1787,120.8354, VAR=0.5 &END'//nl// &
          " &SEARCH SOLVER='LSQ', NSTART=4, MAXEVAL=10, NBEST=4, DIFFER=0.001 &END"//nl
-      type(case_t), allocatable :: cases(:)
-      type(case_t) :: found
-      type(synthesis_t) :: search
-      type(analysis_t) :: analysis, reported
-      type(findings_t) :: findings
-      type(report_t) :: report
+      type(case_t), allocatable, save :: cases(:)
+      type(case_t), save :: found
+      type(synthesis_t), save :: search
+      type(analysis_t), save :: analysis, reported
+      type(findings_t), save :: findings
+      type(report_t), save :: report
       integer :: k
 
       call read_text(six_bar, cases, findings)
@@ -398,12 +398,12 @@ contains
 
    !> A problem without a linkage; mistakes in asking for a solver are findings.
    subroutine own_problem()
-      type(rosenbrock_t) :: valley
-      type(rosen_suzuki_t) :: bowl
-      type(ending_t) :: ending
-      type(findings_t) :: findings
+      type(rosenbrock_t), save :: valley
+      type(rosen_suzuki_t), save :: bowl
+      type(ending_t), save :: ending
+      type(findings_t), save :: findings
       type(host_t), target :: host
-      type(stop_t) :: stop
+      type(stop_t), save :: stop
       real(wp) :: x(2), y(4)
 
       valley = rosenbrock()
@@ -515,10 +515,10 @@ contains
          "LNK='A E','A B','B C','C D','D E' &END"//nl//" &DRIVES DRIVE='A','E', DELT2=0.,10., DSPEED=0.,2. &END"//nl// &
          ' &METHOD NDES=2, DELT=0.,10. &END'//nl//' &RATES SPEED=3. &END'//nl// &
          " &MASSES NMASS=1, MNAME='rod1 C', MASS=2., GRAVY=-10. &END"//nl
-      type(case_t), allocatable :: cases(:)
-      type(force_study_t) :: forces
-      type(rate_study_t) :: rates
-      type(findings_t) :: findings
+      type(case_t), allocatable, save :: cases(:)
+      type(force_study_t), save :: forces
+      type(rate_study_t), save :: rates
+      type(findings_t), save :: findings
       real(wp), allocatable :: of_unit_mass(:, :, :, :)
       integer :: k
 
@@ -563,11 +563,11 @@ contains
 
    !> A sketch made in memory is the one of its file, to the last bit; its columns have names.
    subroutine sketch_in_memory()
-      type(case_t) :: made, slide, loaded
-      type(case_t), allocatable :: read(:)
-      type(analysis_t) :: one, other
-      type(findings_t) :: findings
-      type(report_t) :: report
+      type(case_t), save :: made, slide, loaded
+      type(case_t), allocatable, save :: read(:)
+      type(analysis_t), save :: one, other
+      type(findings_t), save :: findings
+      type(report_t), save :: report
       real(wp), allocatable :: x(:)
       character(:), allocatable :: text
       integer :: k
@@ -618,9 +618,9 @@ contains
 
    !> An item of a case that was read; loops cannot be added to it.
    subroutine opened()
-      type(case_t), allocatable :: cases(:)
-      type(analysis_t) :: analysis
-      type(findings_t) :: findings
+      type(case_t), allocatable, save :: cases(:)
+      type(analysis_t), save :: analysis
+      type(findings_t), save :: findings
 
       call read_file('data/dyad4_slider_crank.nml', cases, findings)
       call cases(1)%set_item('METHOD', 'IKIN', 90)
@@ -643,9 +643,9 @@ contains
       character(*), parameter :: files(*) = [character(40) :: 'data/dyad4_slider_crank.nml', 'data/sketch_four_bar.nml', &
                                              'data/jansen.nml', 'data/textile.nml', 'data/four_bars.json', &
                                              'data/geared_five_bar.nml', 'data/landing_gear.nml']
-      type(case_t), allocatable :: cases(:), again(:)
-      type(analysis_t) :: one, other
-      type(findings_t) :: findings
+      type(case_t), allocatable, save :: cases(:), again(:)
+      type(analysis_t), save :: one, other
+      type(findings_t), save :: findings
       integer :: i, k
 
       do i = 1, size(files)
@@ -691,10 +691,10 @@ contains
          trial_t('vibration', 'data/ssics/hill.nml'), trial_t('vibration', 'data/rig_coupler.nml'), &
          trial_t('cams', 'data/calm/conjugate_cams.nml'), trial_t('clearance', 'data/bridge/four_bar_haines.nml'), &
          trial_t('picture', 'data/jansen.nml'), trial_t('board', 'data/jansen.nml')]
-      type(case_t), allocatable :: cases(:)
-      type(case_t) :: plain
-      type(findings_t) :: findings
-      type(report_t) :: report
+      type(case_t), allocatable, save :: cases(:)
+      type(case_t), save :: plain
+      type(findings_t), save :: findings
+      type(report_t), save :: report
       integer :: i
 
       plain = slider_crank()

@@ -69,9 +69,9 @@ contains
 
    !> Square of the distance of the outer joints of a crank-rocker by the law of cosines, lengths of any size.
    subroutine measures()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(dimensions_t) :: dimensions
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(dimensions_t), save :: dimensions
       real(wp), parameter :: factors(3) = [1.0_wp, tiny(1.0_wp)**0.4_wp, huge(1.0_wp)**0.4_wp]
       real(wp), allocatable :: measure(:)
       integer :: i
@@ -244,9 +244,9 @@ contains
    end subroutine blocks
 
    subroutine known_motions()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(motion_t) :: motion
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(motion_t), save :: motion
       real(wp), allocatable :: a(:)
 
       call load_case('dyad4_slider_crank', problem, set)
@@ -314,10 +314,10 @@ contains
 
    !> A loop that does not close is named with positions and amount; other positions are not disturbed.
    subroutine open_loop()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(motion_t) :: motion
-      type(dimensions_t) :: changed
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(motion_t), save :: motion
+      type(dimensions_t), save :: changed
 
       call load_case('dyad4_slider_crank', problem, set)
       changed = problem%given
@@ -332,9 +332,9 @@ contains
 
    !> No digit is lost to a million turns of the crank.
    subroutine many_turns()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(motion_t) :: before, after
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(motion_t), save :: before, after
 
       call load_case('needle', problem, set)
       problem%desired = .false.
@@ -360,8 +360,8 @@ contains
 
    !> The sliding lengths of the textile linkage, computed elsewhere with 40 digits.
    subroutine textile_slides()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
       real(wp) :: want(7), worst, x, y, length
       integer :: unit, i, k, offset, n, status
       integer, parameter :: loops(4) = [2, 2, 4, 4], arcs(4) = [2, 3, 3, 4]

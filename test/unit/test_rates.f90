@@ -231,8 +231,8 @@ contains
    end subroutine take_all
 
    subroutine known_rates()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
       real(wp), allocatable :: x(:, :), y(:, :), a(:)
       integer :: n
 
@@ -257,9 +257,9 @@ contains
 
    !> At a dead point the rates are infinite: reported, finite numbers, no trap.
    subroutine dead_points()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(rates_t) :: rates
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(rates_t), save :: rates
       integer :: offset, n, i
 
       call load_case('hard/parallelogram', problem, set)
@@ -278,9 +278,9 @@ contains
 
    !> A pair of links that does not close because one is hardly any: its rates mean nothing, but the arithmetic goes on.
    subroutine hardly_a_link()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(rates_t) :: rates
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(rates_t), save :: rates
       integer :: offset, n, i
 
       call load_case('dyad1_crank_rocker', problem, set)
@@ -295,9 +295,9 @@ contains
 
    !> A distance that is rounding of the long arm it is measured by has no rate; ten times as far off it has.
    subroutine corner_of_distance()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(motion_t) :: motion
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(motion_t), save :: motion
       real(wp), parameter :: arm = 1.0e6_wp, part(2) = [0.1_wp, 10.0_wp]
       integer, parameter :: here = 3
       real(wp), allocatable :: x(:, :), y(:, :)

@@ -67,9 +67,9 @@ contains
 
    !> Device 7 tells in comments which dimensions were variable: those of the data set.
    subroutine what_was_variable()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(text_t) :: text
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(text_t), save :: text
       character, parameter :: nl = new_line('a')
       character(:), allocatable :: content
 
@@ -179,8 +179,8 @@ contains
 
    !> Guides are shortened to h - TOGGLE, links lengthened to abs(d) + TOGGLE.
    subroutine slide_repairs()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
 
       call load_case('dyad2_oscillating_cylinder', problem, set)
       call repaired(problem, set, 'type 2', 3, 100.0_wp, 90.0_wp - 0.1_wp)
@@ -228,10 +228,10 @@ contains
 
    !> Demands that conflict: the vertex moves a quarter of the way towards a feasible one, until it is feasible.
    subroutine conflict()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(constraints_t) :: constraints
-      type(repair_count_t) :: counts
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(constraints_t), save :: constraints
+      type(repair_count_t), save :: counts
       real(wp) :: v(2), f
       integer :: evaluations, k
       logical :: feasible
@@ -341,15 +341,15 @@ contains
 
    !> Device 7 read as device 4 gives the same vertices to the printed digits, final ones first.
    subroutine supplied_vertices()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(devices_t) :: devices
-      type(synthesis_t) :: search
-      type(dimensions_t) :: dimensions
-      type(stop_t) :: stop
-      type(search_log_t) :: log
-      type(diagnostics_t) :: findings
-      type(line_t), allocatable :: lines(:)
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(devices_t), save :: devices
+      type(synthesis_t), save :: search
+      type(dimensions_t), save :: dimensions
+      type(stop_t), save :: stop
+      type(search_log_t), save :: log
+      type(diagnostics_t), save :: findings
+      type(line_t), allocatable, save :: lines(:)
       real(wp), allocatable :: v(:, :), none(:, :)
       character(:), allocatable :: text
       integer :: at

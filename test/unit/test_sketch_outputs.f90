@@ -131,7 +131,7 @@ contains
 
    !> All kinds of outputs, with a slide whose length is given and moves the drawing.
    subroutine every_kind()
-      type(data_set_t) :: set
+      type(data_set_t), save :: set
 
       call read_one('EVERY KIND'//nl//" &CHAIN JNT='A','B','C','D','P','Q', JX=0.0,0.0,60.0,90.0,40.0,130.0,"//nl// &
                     " JY=0.0,25.0,60.0,0.0,80.0,20.0, LNAME='frame','crank','coupler','rocker','rod','block',"//nl// &
@@ -145,9 +145,9 @@ contains
 
    !> A four-bar whose crank swings: crank 3, coupler 4, rocker 4, frame 6. At the ends coupler and rocker are in a line.
    subroutine end_of_range()
-      type(data_set_t) :: set
-      type(sketch_study_t) :: study
-      type(motion_t) :: motion
+      type(data_set_t), save :: set
+      type(sketch_study_t), save :: study
+      type(motion_t), save :: motion
       real(wp) :: furthest
       integer :: k
 
@@ -168,9 +168,9 @@ contains
    !> A parallelogram from 60 degrees: where all its links are in a line the motion ends, though the loop closes everywhere. Of a
    !> link pair that opens twice in a turn one range is not reached.
    subroutine change_point()
-      type(data_set_t) :: set
-      type(sketch_study_t) :: study
-      type(motion_t) :: motion
+      type(data_set_t), save :: set
+      type(sketch_study_t), save :: study
+      type(motion_t), save :: motion
       integer :: k
 
       call read_one('PARALLELOGRAM'//nl//" &CHAIN JNT='A','B','C','D', JX=0.0,1.0,4.0,3.0, JY=0.0,1.7,1.7,0.0,"//nl// &
@@ -193,9 +193,9 @@ contains
 
    !> A slider that pushes a crank: at the dead point of the crank the range ends.
    subroutine sliding_input()
-      type(data_set_t) :: set
-      type(sketch_study_t) :: study
-      type(motion_t) :: motion
+      type(data_set_t), save :: set
+      type(sketch_study_t), save :: study
+      type(motion_t), save :: motion
 
       call read_one('PUSHED'//nl//" &CHAIN JNT='A','B','C', JX=0.0,0.0,4.0, JY=0.0,3.0,0.0,"//nl// &
                     " LNAME='frame','crank','rod','block', LNK='A','A B','B C','C',"//nl// &
@@ -209,7 +209,7 @@ contains
    !> Two cranks of which one turns half as fast: after a turn of the first nothing stands as before, and where the motion ends
    !> on the way nothing beyond is reached.
    subroutine geared_cranks()
-      type(data_set_t) :: set
+      type(data_set_t), save :: set
 
       call read_one('GEARED'//nl//" &CHAIN JNT='A','B','C','D','E', JX=0.0,0.0,40.0,80.0,80.0, JY=0.0,25.0,60.0,20.0,0.0,"//nl// &
                     " LNAME='frame','one','two','three','four', LNK='A E','A B','B C','C D','D E' &END"//nl// &
@@ -245,16 +245,16 @@ contains
 
    !> Bands of all outputs against differences, dimension by dimension; those of the first output are the old ones.
    subroutine tolerances()
-      type(data_set_t) :: set
-      type(prepared_t) :: prepared
-      type(diagnostics_t) :: findings
-      type(line_t) :: none(0)
-      type(deviating_t), allocatable :: deviating
-      type(tolerance_t), allocatable :: linear
-      type(problem_t), allocatable :: problem
-      type(parameters_t) :: one
-      type(dimensions_t) :: changed
-      type(sketch_study_t) :: low, high
+      type(data_set_t), save :: set
+      type(prepared_t), save :: prepared
+      type(diagnostics_t), save :: findings
+      type(line_t), save :: none(0)
+      type(deviating_t), allocatable, save :: deviating
+      type(tolerance_t), allocatable, save :: linear
+      type(problem_t), allocatable, save :: problem
+      type(parameters_t), save :: one
+      type(dimensions_t), save :: changed
+      type(sketch_study_t), save :: low, high
       real(wp), parameter :: step = 1.0e-4_wp
       real(wp) :: values(1), difference
       logical :: closes

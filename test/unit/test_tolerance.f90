@@ -90,12 +90,12 @@ contains
 
    !> One dimension alone: its effect is a difference of two linkages.
    subroutine one_dimension()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(deviating_t) :: deviating
-      type(tolerance_t) :: linear
-      type(motion_t) :: plus, minus
-      type(dimensions_t) :: dimensions
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(deviating_t), save :: deviating
+      type(tolerance_t), save :: linear
+      type(motion_t), save :: plus, minus
+      type(dimensions_t), save :: dimensions
       logical :: closes
       real(wp), parameter :: tolerance = 1.0e-3_wp
 
@@ -115,14 +115,14 @@ contains
 
    !> Linkages 1 and 1001 of a sample are those of the first numbers of streams 0 and 1.
    subroutine streams()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(deviating_t) :: deviating
-      type(tolerance_t) :: linear
-      type(sample_t) :: before, sample
-      type(motion_t) :: motion
-      type(dimensions_t) :: dimensions
-      type(xoshiro_t) :: random
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(deviating_t), save :: deviating
+      type(tolerance_t), save :: linear
+      type(sample_t), save :: before, sample
+      type(motion_t), save :: motion
+      type(dimensions_t), save :: dimensions
+      type(xoshiro_t), save :: random
       logical :: closes
       real(wp) :: deviate
       real(wp), allocatable :: deviation(:)
@@ -154,11 +154,11 @@ contains
 
    !> Linkages of the sample that do not close are counted and named.
    subroutine open_linkages()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(deviating_t) :: deviating
-      type(tolerance_t) :: linear
-      type(sample_t) :: sample
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(deviating_t), save :: deviating
+      type(tolerance_t), save :: linear
+      type(sample_t), save :: sample
       logical :: closes
 
       call load_case('hard/toggle', problem, set, 3)

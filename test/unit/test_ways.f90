@@ -61,9 +61,9 @@ contains
 
    !> Errors at some of the positions are those that the whole problem has there.
    subroutine part_of_a_problem()
-      type(problem_t) :: problem
+      type(problem_t), save :: problem
       class(problem_t), allocatable :: part
-      type(data_set_t) :: set
+      type(data_set_t), save :: set
       integer, allocatable :: which(:)
       real(wp) :: miss(20, 1), miss_of_part(5, 1)
       integer :: loop
@@ -102,10 +102,10 @@ contains
 
    !> Held variables have no part in the normal equations; those of the others are what they were.
    subroutine held()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(merit_t) :: merit
-      type(normal_equations_t) :: whole, part
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(merit_t), save :: merit
+      type(normal_equations_t), save :: whole, part
       real(wp), allocatable :: x(:)
       integer, allocatable :: left(:)
       logical, allocatable :: off(:)
@@ -130,10 +130,10 @@ contains
 
    !> LSQ: the objective is that of all positions; any number of threads gives the same.
    subroutine stages_of_a_search()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(result_t) :: found, again
-      type(dimensions_t) :: dimensions
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(result_t), save :: found, again
+      type(dimensions_t), save :: dimensions
       real(wp) :: objective
       integer :: loop, way
 
@@ -161,9 +161,9 @@ contains
    !> Dyad by dyad, hardly improved (MAXEVAL=1): both dyads are drawn by even starts, which are made to close, as by odd ones, which
    !> are drawn near a good linkage once there are some.
    subroutine every_dyad()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(result_t) :: found
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(result_t), save :: found
       real(wp), allocatable :: home(:)
       integer, allocatable :: dyads(:)
       logical :: alone(2)
@@ -204,11 +204,11 @@ contains
 
    !> The simplex: what it ends with obeys at all positions and is no worse than the given linkage.
    subroutine stages_of_the_simplex()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(synthesis_t) :: result, again
-      type(dimensions_t) :: dimensions, plain
-      type(stop_t) :: never
+      type(problem_t), save :: problem
+      type(data_set_t), save :: set
+      type(synthesis_t), save :: result, again
+      type(dimensions_t), save :: dimensions, plain
+      type(stop_t), save :: never
       real(wp) :: objective, before
       integer :: loop
 
