@@ -8,7 +8,7 @@ submodule(psalm_vibration_scene) psalm_vibration_scene_body
    use psalm_periodic, only: periodic_t, periodic_from_samples
    use psalm_plot, only: round_down
    use psalm_status, only: diagnostics_t
-   use psalm_steady_study, only: check_steady, model_with_links
+   use psalm_steady_study, only: check_steady, make_model_with_links
    use psalm_stop, only: is_to_end
    use psalm_vibration_group, only: vibration_group_t, vibration_of
    use psalm_vibration_study, only: find_vibration
@@ -21,7 +21,7 @@ contains
    module procedure make_vibration_scene
       type(vibration_group_t) :: vibration
       class(problem_t), allocatable :: problem    ! large: it would fill a small stack
-      type(force_model_t) :: bare, model
+      class(force_model_t), allocatable :: bare, model, complete
       type(crank_motion_t) :: crank
       type(diagnostics_t) :: findings
       type(periodic_t) :: q
@@ -32,12 +32,13 @@ contains
       vibration = vibration_of(set)
       call check_steady(set, prepared, findings, vibration_alone=.true.)
       if (findings%failed()) return
-      allocate (problem)
+      allocate (problem, bare)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call make_force_model(set, prepared%mechanism, prepared%given, bare, findings)
       n = prepared%mechanism%seq(vibration%beam%link%loop, vibration%beam%link%arc)
-      model = model_with_links(set, prepared%mechanism, prepared%given, n, bare)
-      call find_crank(set, problem, model_with_links(set, prepared%mechanism, prepared%given, 0, bare), crank, stop)
+      call make_model_with_links(set, prepared%mechanism, prepared%given, n, bare, model)
+      call make_model_with_links(set, prepared%mechanism, prepared%given, 0, bare, complete)
+      call find_crank(set, problem, complete, crank, stop)
       if (.not. crank%known) return
       call find_vibration(set, problem, prepared%given, model, crank, scene%study, stop)
       if (size(scene%study%modes) == 0 .or. is_to_end(stop)) return

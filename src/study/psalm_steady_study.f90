@@ -16,7 +16,7 @@ module psalm_steady_study
    use psalm_vibration_study, only: vibration_study_t
    implicit none (type, external)
    private
-   public :: steady_study_t, check_steady, find_steady, model_with_links
+   public :: steady_study_t, check_steady, find_steady, make_model_with_links
 
    !> What a case asks for is allocated.
    type :: steady_study_t
@@ -53,15 +53,15 @@ module psalm_steady_study
       end subroutine find_steady
 
       !> The force model with the masses of the links of ESTIM, VIBR and FLEX, but for the link of an arc, which is studied.
-      module function model_with_links(set, mechanism, dimensions, arc, model) result(all)
+      module subroutine make_model_with_links(set, mechanism, dimensions, arc, model, all)
          implicit none (type, external)
          type(data_set_t), intent(in) :: set
          type(mechanism_t), intent(in) :: mechanism
          type(dimensions_t), intent(in) :: dimensions
          integer, intent(in) :: arc                 !! 0: none
          type(force_model_t), intent(in) :: model
-         type(force_model_t) :: all
-      end function model_with_links
+         class(force_model_t), allocatable, intent(out) :: all
+      end subroutine make_model_with_links
    end interface
 
 contains

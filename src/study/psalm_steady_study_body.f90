@@ -123,14 +123,16 @@ contains
 
    module procedure find_steady
       type(steady_groups_t) :: asked
-      type(force_model_t) :: model, with_links
+      class(force_model_t), allocatable :: model, with_links   ! large: they would fill a small stack
       type(diagnostics_t) :: unused
       integer :: k
 
+      allocate (model)
       asked = steady_groups_of(set)
       if (set%loops() > 0) call make_force_model(set, prepared%mechanism, prepared%given, model, unused)
       if (set%gives('CYCLE')) then
-         call find_crank(set, problem, model_with_links(set, prepared%mechanism, prepared%given, 0, model), study%crank, stop)
+         call make_model_with_links(set, prepared%mechanism, prepared%given, 0, model, with_links)
+         call find_crank(set, problem, with_links, study%crank, stop)
          study%stopped = is_to_end(stop)
          if (study%stopped .or. .not. study%crank%known) return
       else
@@ -145,8 +147,8 @@ contains
                return
             end if
             associate (link => asked%estimates%beams(k)%link)
-               with_links = model_with_links(set, prepared%mechanism, prepared%given, prepared%mechanism%seq(link%loop, link%arc), &
-                                             model)
+               call make_model_with_links(set, prepared%mechanism, prepared%given, &
+                                          prepared%mechanism%seq(link%loop, link%arc), model, with_links)
             end associate
             call find_estimate(problem, prepared%given, with_links, asked%estimates%beams(k), &
                                asked%estimates%clearance(k), asked%estimates%points, study%crank, study%estimates(k))
@@ -156,8 +158,8 @@ contains
       if (asked%vibration%given) then
          allocate (study%vibration)
          associate (link => asked%vibration%beam%link)
-            with_links = model_with_links(set, prepared%mechanism, prepared%given, prepared%mechanism%seq(link%loop, link%arc), &
-                                          model)
+            call make_model_with_links(set, prepared%mechanism, prepared%given, &
+                                       prepared%mechanism%seq(link%loop, link%arc), model, with_links)
          end associate
          call find_vibration(set, problem, prepared%given, with_links, study%crank, study%vibration, stop)
          study%stopped = is_to_end(stop)
@@ -172,7 +174,7 @@ contains
       end if
       if (asked%drive%given) then
          allocate (study%drive)
-         with_links = model_with_links(set, prepared%mechanism, prepared%given, 0, model)
+         call make_model_with_links(set, prepared%mechanism, prepared%given, 0, model, with_links)
          call find_drive(set, problem, prepared%given, with_links, study%crank, study%drive, stop)
          study%stopped = is_to_end(stop)
          if (study%stopped) then
@@ -203,8 +205,8 @@ contains
          call make_flexible_links(set, prepared%mechanism, prepared%given, model, asked%flex, links, unused)
          allocate (study%flexible(size(links)))
          do l = 1, size(links)
-            with_links = model_with_links(set, prepared%mechanism, prepared%given, &
-                                          prepared%mechanism%bodies(links(l)%body)%axis, model)
+            call make_model_with_links(set, prepared%mechanism, prepared%given, &
+                                       prepared%mechanism%bodies(links(l)%body)%axis, model, with_links)
             call add_flexible_links(links(l:l), 0, with_links)
             call find_flex(set, problem, prepared%given, with_links, links(l), study%crank, study%flexible(l), stop)
             study%stopped = is_to_end(stop)
@@ -216,7 +218,7 @@ contains
       end subroutine find_links
    end procedure find_steady
 
-   module procedure model_with_links
+   module procedure make_model_with_links
       type(estimate_group_t) :: estimates
       type(vibration_group_t) :: vibration
       type(flex_group_t) :: flex
@@ -227,7 +229,7 @@ contains
       estimates = estimates_of(set)
       vibration = vibration_of(set)
       flex = flex_of(set)
-      all = model
+      allocate (all, source=model)
       beyond = 0
       if (arc > 0) beyond = mechanism%arcs(arc)%body
       if (flex%given) then
@@ -238,5 +240,5 @@ contains
          call add_uniform_link(mechanism, dimensions, estimates%beams(n), beyond, all)
       end do
       if (vibration%given) call add_uniform_link(mechanism, dimensions, vibration%beam, beyond, all)
-   end procedure model_with_links
+   end procedure make_model_with_links
 end submodule psalm_steady_study_body
