@@ -182,6 +182,7 @@ contains
       class(time_motion_t), intent(inout) :: moving   !! with its motion
       logical, intent(out) :: valid
       real(wp) :: length
+      integer :: k
 
       moving%end = end
       moving%tolerance = tolerance
@@ -209,6 +210,13 @@ contains
       moving%motion%engaged = .not. moving%motion%model%friction%from > 0.0_wp
       call moving%rates(0.0_wp, moving%y, moving%first, valid)
       if (.not. valid) return
+      ! over a long time a first step of many turns could seem right by chance
+      associate (f => size(speeds))
+         do k = 1, f
+            moving%step = min(moving%step, moving%size_of(k)/max(abs(speeds(k)), tiny(1.0_wp)), &
+                              sqrt(moving%size_of(k)/max(abs(moving%first(f + k)), tiny(1.0_wp))))
+         end do
+      end associate
       call choose_friction(moving, valid)
       if (valid) call meet_stops(moving, valid)
       if (valid) call look_ahead(moving, valid)

@@ -35,6 +35,20 @@ def heights():
           "FRAME FX" in sizes and "FRAME QX" not in sizes and "NaN" not in sizes)
 
 
+def long_times():
+    """The first step of a motion over a very long time is not one of many turns, which seem right by chance."""
+    _, said = run("""THREE BARS ALIKE, ONE OUT OF LINE
+ &CHAIN JNT='A0','A1','A2','B0','B1','B2', JX=0.0,1.0,2.0,-0.344215005894412,1.0,2.0, JY=3*0.0,3*1.0,
+ LNAME='frame','bar0','bar1','bar2','top1','top2', LNK='A0 A1 A2','A0 B0','A1 B1','A2 B2','B0 B1','B1 B2' &END
+ &DRIVES DRIVE='A0' &END
+ &METHOD DELT=0.7603945947317818 &END
+ &MASSES MNAME='bar0 A0','bar1 A1','bar2 A2','top1 B0','top2 B1', MASS=5*1.0 &END
+ &TIME TEND=2000000.0, NTSTEP=1000, VSTART=-1.0 &END
+""", want=1)
+    told = re.search(r"ends at ([\d.]+) s of 2.0000E\+06 s: more steps than NTSTEP", said)
+    check(f"a long time: steps that follow the motion: {said[-600:]}", told and 10.0 < float(told[1]) < 200.0)
+
+
 def known_numbers():
     t, said = run(data("pendulum"))
     told = re.search(r"Greatest speed +([\d.]+) rad/s", said)
@@ -404,6 +418,7 @@ def mistakes():
 if __name__ == "__main__":
     known_numbers()
     heights()
+    long_times()
     random_mechanisms()
     laws()
     trebuchet()
