@@ -431,23 +431,28 @@ contains
 
    end subroutine cylinders
 
-   !> Two arms turned from position to position: the farthest place is met on the first of two lines, a third along it.
+   !> Two arms turned from position to position: the farthest place is met early on the first of two lines.
    subroutine lines_of_positions()
       type(chain_study_t) :: s
       type(chain_proof_t) :: proof
       type(proven_dead_point_t), allocatable :: dead(:)
-      real(wp), parameter :: drawn = -20.0_wp*radians_per_degree
+      real(wp), parameter :: drawn = -0.6_wp*radians_per_degree
 
       call prove('TWO ARMS'//nl//" &CHAIN JNT='A','E','B','P', JX=0.0,-1.0,"//full_precision(cos(drawn))//','// &
                  full_precision(2.0_wp*cos(drawn))//', JY=0.0,0.0,'//full_precision(sin(drawn))//','// &
                  full_precision(2.0_wp*sin(drawn))//','//nl//" LNAME='frame','first','second', LNK='A E','A B','B P' &END"//nl// &
-                 " &DRIVES DRIVE='A','B', DELT2=0.0,40.0 &END &OUTPUTS OUTPUT='x P' &END &METHOD NDES=2, DELT=60.0,70.0 &END"//nl, &
-                 proof_of_inputs, s, proof)
+                 " &DRIVES DRIVE='A','B', DELT2=0.0,40.0 &END &OUTPUTS OUTPUT='x P' &END &METHOD NDES=2, DELT=60.0,70.0 &END "// &
+                 "&LIMITS DWELL=0.1 &END"//nl, proof_of_inputs, s, proof)
       dead = dead_of(proof, quantity_output, 1)
       call t%is_true(size(proof%segments) == 2 .and. size(dead) == 1, 'two lines: one dead point', to_text(size(dead)))
       if (size(dead) /= 1) return
-      call holds(dead(1)%low, dead(1)%high, 1.0_wp/3.0_wp, 1.0e-9_wp, 'two lines: where both arms lie along the axis')
+      call holds(dead(1)%low, dead(1)%high, 0.01_wp, 1.0e-9_wp, 'two lines: where both arms lie along the axis')
       call t%is_true(dead(1)%reverses .and. .not. dead(1)%at_end, 'two lines: it turns back there')
+      call t%is_true(size(proof%movement%dwells) == 1, 'two lines: one dwell', to_text(size(proof%movement%dwells)))
+      if (size(proof%movement%dwells) /= 1) return
+      call t%close_to(proof%movement%dwells(1)%from, 0.0_wp, 1.0e-9_wp, 'two lines: the dwell begins at the drawing')
+      call t%close_to(proof%movement%dwells(1)%to, 0.01_wp + acos(0.95_wp)*degrees_per_radian/60.0_wp, 1.0e-9_wp, &
+                      'two lines: where the dwell ends')
    end subroutine lines_of_positions
 
    function arm(first, second, third) result(text)
