@@ -46,12 +46,12 @@ contains
       generic%problem = problem
       allocate (generic%solutions(variables, 0))
       associate (kinds => problem%kind(:problem%points))
-         slider = problem%slides .and. all(kinds == kind_point) .and. .not. problem%crank_given
-         if (.not. slider) then
-            if (problem%slides .or. problem%crank_given .or. problem%follower_given) return
+         ! with so many points no pivot can be given
+         slider = problem%slides
+         if (slider) then
+            if (problem%points /= 7 .or. any(kinds /= kind_point)) return
+         else
             if (problem%points /= 6 .or. any(kinds(:2) /= kind_pose) .or. any(kinds(3:) /= kind_point)) return
-         else if (problem%points /= 7) then
-            return
          end if
       end associate
       call random%seed(generic_seed, purpose_starts)

@@ -11,7 +11,8 @@ program test_exact
    use psalm_generic_counts, only: solutions_of
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_leg_lanes, only: problem_path_t
-   use psalm_leg_problem, only: draw_problem, kind_point, kind_pose, kind_timed, leg_problem_t, make_problem, variables
+   use psalm_leg_problem, only: draw_problem, kind_point, kind_pose, kind_timed, leg_problem_t, make_problem, &
+                               most_points, variables
    use psalm_monodromy, only: generic_t, solve_generic
    use psalm_quad_path, only: follow_precisely, path_arrived
    use psalm_six_bar_paths, only: polish
@@ -34,6 +35,7 @@ program test_exact
    call six_bars()
    call exchanged_legs()
    call counts()
+   call every_count()
    call terms_along()
    call symmetric_tangents()
    call certificates()
@@ -80,6 +82,9 @@ contains
       ! a body that slides along without turning: every point is as good as any other
       call five_poses(d, spread((0.0_wp, 0.0_wp), 1, 4), dyads)
       call t%is_true(dyads%degenerate, 'five poses without turns are degenerate')
+      ! a body that turns about a fixed point: every point moves on a circle about it
+      call five_poses(-(0.7_wp, -0.3_wp)*g, g, dyads)
+      call t%is_true(dyads%degenerate, 'five poses about one pivot are degenerate')
       d(2) = d(1)
       g(2) = g(1)
       call five_poses(d, g, dyads)
@@ -244,6 +249,54 @@ contains
       call t%close_to(real(sum(roots), wp), 6.0_wp, 1.0e-12_wp, 'roots of a cubic: 1, 2, 3')
       call t%close_to(minval(abs(roots - 2.0_wp)), 0.0_wp, 1.0e-12_wp, 'roots of a cubic: 2')
    end subroutine counts
+
+   !> Each of the 153 numbers of solutions that are kept for terms along the path is that of a problem that is possible.
+   subroutine every_count()
+      type(leg_problem_t) :: problem
+      integer :: known, kind, m, q, given, a, b, c, d, k
+      logical :: crank, follower
+
+      known = 0
+      do given = 0, 4                          ! both pivots, one or none; a slide, alone or with the crank's pivot
+         do k = 0, merge(1, 0, given == 4)
+            crank = merge(k == 1, btest(given, 0), given == 4)
+            follower = given < 4 .and. btest(given, 1)
+            do kind = kind_pose, kind_timed
+               ! timed points have the numbers of poses unless the follower's pivot is given
+               if (kind == kind_timed .and. .not. follower) cycle
+               ! either pivot alone is given: the same but of timed points
+               if (kind == kind_pose .and. follower .and. .not. crank) cycle
+               do m = merge(1, 0, kind == kind_timed), 4
+                  do q = 0, most_points - m
+                     ! terms at the first point and the others, tangents alone (a) or with curvatures (b), and at points (c, d)
+                     do a = 0, merge(m + 1, 0, m > 0)
+                        do b = 0, merge(m + 1 - a, 0, m > 0)
+                           do c = 0, merge(q, q + 1, m > 0)
+                              do d = 0, merge(q, q + 1, m > 0) - c
+                                 if (a + b + c + d == 0 .or. m + q + a + c + 2*(b + d) > most_points) cycle
+                                 call make_problem([spread(kind, 1, m), spread(kind_point, 1, q)], given == 4, crank, follower, &
+                                                   problem, [at(0, a, b), at(merge(m + 1, 0, m > 0), c, d)])
+                                 if (problem%is_square() .and. solutions_of(problem) > 0) known = known + 1
+                              end do
+                           end do
+                        end do
+                     end do
+                  end do
+               end do
+            end do
+         end do
+      end do
+      call t%equal_integer(known, 153, 'tangents: problems of which the number of solutions is known')
+   end subroutine every_count
+
+   !> Points from one on, some with one term along the path, then some with two.
+   pure function at(first, once, twice)
+      integer, intent(in) :: first, once, twice
+      integer :: at(once + 2*twice), k
+
+      at(:once) = [(first + k - 1, k=1, once)]
+      at(once + 1:) = [(first + once + (k - 1)/2, k=1, 2*twice)]
+   end function at
 
    !> Tangents and curvatures: as many solutions as the table says, for every way the legs are written; a solution ends at the same
    !> place in quadruple precision, where the equations are written otherwise.

@@ -24,6 +24,7 @@ program test_proof_tube
    call change_point()
    call triads()
    call cylinders()
+   call lines_of_positions()
    call braced()
    call t%report()
 
@@ -149,7 +150,8 @@ contains
       text = 'CRANK-ROCKER'//nl//" &CHAIN JNT='A','B','C','D', JX=0.0,"//full_precision(b%re)//','//full_precision(c%re)// &
              ',6.0, JY=0.0,'//full_precision(b%im)//','//full_precision(c%im)//",0.0,"//nl// &
              " LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C','C D', LENP='A B','B C','C D','A D', "// &
-             "LENV=2.0,6.0,5.0,6.0 &END"//nl//" &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='angle D C' &END "//nl//' '//method//nl
+             "LENV=2.0,6.0,5.0,6.0 &END"//nl//" &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='angle D C',"// &
+             "'angle A C','distance A C' &END"//nl//' '//method//nl
    end function crank_rocker
 
    !> Dead points, strokes, velocity ratio and dwells of a crank-rocker, closed forms; at the drawing and at the end of a range.
@@ -158,7 +160,7 @@ contains
       type(chain_proof_t) :: proof
       type(proven_dead_point_t), allocatable :: dead(:)
       real(wp) :: at(2), ratio, low, high
-      integer :: k
+      integer :: k, n
 
       ! the line of crank and coupler, 4 and 8 long, against the frame
       at(1) = acos((64.0_wp + 36.0_wp - 25.0_wp)/96.0_wp)*degrees_per_radian
@@ -172,13 +174,23 @@ contains
          call holds(dead(k)%low, dead(k)%high, at(k) - 20.0_wp, 1.0e-9_wp, 'crank-rocker: dead point '//to_text(k))
          call t%is_true(dead(k)%reverses, 'crank-rocker: it turns back')
       end do
+      ! the end of the rocker stands still with it, seen from the crank's pivot, too; A C and C D are never square
+      do n = 2, 3
+         dead = dead_of(proof, quantity_output, n)
+         call t%is_true(size(dead) == 2, 'crank-rocker: so many has the line from A to C', to_text(n)//': '//to_text(size(dead)))
+         if (size(dead) /= 2) cycle
+         do k = 1, 2
+            call holds(dead(k)%low, dead(k)%high, at(k) - 20.0_wp, 1.0e-8_wp, 'crank-rocker: number '//to_text(n)//' stands still')
+         end do
+      end do
       call t%is_true(size(dead_of(proof, quantity_turning, 4)) == 2, 'crank-rocker: so many has the rocker')
       ratio = (360.0_wp - (at(2) - at(1)))/(at(2) - at(1))
       call t%is_true(proof%movement%time_ratio(1) <= max(ratio, 1.0_wp/ratio), 'crank-rocker: time ratio at least')
       call t%close_to(proof%movement%time_ratio(1), max(ratio, 1.0_wp/ratio), 1.0e-9_wp, 'crank-rocker: time ratio')
-      call t%is_true(size(proof%movement%dwells) == 2, 'crank-rocker: two dwells')
+      call t%is_true(count(proof%movement%dwells%number == 1) == 2, 'crank-rocker: two dwells')
       do k = 1, size(proof%movement%dwells)
          associate (dwell => proof%movement%dwells(k))
+            if (dwell%number /= 1) cycle
             call holds(abs(rocker_angle(20.0_wp + dwell%from) - rocker_angle(20.0_wp + dwell%at)), 0.5_wp + 1.0e-9_wp, 0.5_wp, &
                        1.0e-7_wp, 'crank-rocker: a dwell begins where it is half a degree off')
             call holds(abs(rocker_angle(20.0_wp + dwell%to) - rocker_angle(20.0_wp + dwell%at)), 0.5_wp + 1.0e-9_wp, 0.5_wp, &
@@ -418,6 +430,30 @@ contains
       call t%is_true(proof%segments(3)%turns_back, 'three cylinders: a dead point on it')
 
    end subroutine cylinders
+
+   !> Two arms turned from position to position: the farthest place is met early on the first of two lines.
+   subroutine lines_of_positions()
+      type(chain_study_t) :: s
+      type(chain_proof_t) :: proof
+      type(proven_dead_point_t), allocatable :: dead(:)
+      real(wp), parameter :: drawn = -0.6_wp*radians_per_degree
+
+      call prove('TWO ARMS'//nl//" &CHAIN JNT='A','E','B','P', JX=0.0,-1.0,"//full_precision(cos(drawn))//','// &
+                 full_precision(2.0_wp*cos(drawn))//', JY=0.0,0.0,'//full_precision(sin(drawn))//','// &
+                 full_precision(2.0_wp*sin(drawn))//','//nl//" LNAME='frame','first','second', LNK='A E','A B','B P' &END"//nl// &
+                 " &DRIVES DRIVE='A','B', DELT2=0.0,40.0 &END &OUTPUTS OUTPUT='x P' &END &METHOD NDES=2, DELT=60.0,70.0 &END "// &
+                 "&LIMITS DWELL=0.1 &END"//nl, proof_of_inputs, s, proof)
+      dead = dead_of(proof, quantity_output, 1)
+      call t%is_true(size(proof%segments) == 2 .and. size(dead) == 1, 'two lines: one dead point', to_text(size(dead)))
+      if (size(dead) /= 1) return
+      call holds(dead(1)%low, dead(1)%high, 0.01_wp, 1.0e-9_wp, 'two lines: where both arms lie along the axis')
+      call t%is_true(dead(1)%reverses .and. .not. dead(1)%at_end, 'two lines: it turns back there')
+      call t%is_true(size(proof%movement%dwells) == 1, 'two lines: one dwell', to_text(size(proof%movement%dwells)))
+      if (size(proof%movement%dwells) /= 1) return
+      call t%close_to(proof%movement%dwells(1)%from, 0.0_wp, 1.0e-9_wp, 'two lines: the dwell begins at the drawing')
+      call t%close_to(proof%movement%dwells(1)%to, 0.01_wp + acos(0.95_wp)*degrees_per_radian/60.0_wp, 1.0e-9_wp, &
+                      'two lines: where the dwell ends')
+   end subroutine lines_of_positions
 
    function arm(first, second, third) result(text)
       character(*), intent(in) :: first, second, third
