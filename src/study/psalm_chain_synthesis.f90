@@ -418,7 +418,6 @@ contains
       end if
       if (self%problem%irange /= range_positions .and. candidate%feasible) then
          allocate (extra(0))
-         candidate%feasible = .false.
          do round = 1, most_returns + 1         ! the last looks at what the solver found at last
             ! with free timing the range has moved with the inputs
             call self%problem%set_range(candidate%x, extra)

@@ -409,6 +409,20 @@ def drawn(programs, folder):
                 tally.check("%s: clearances are at their joints %s, %s" % (case, one, other), min(away) < 0.01, away)
 
 
+def drawn_by_loops(programs, folder):
+    """Of a linkage of loops a length stands at the middle of its arc."""
+    import ezdxf
+    lengths = {30.0: 15.0, 90.0: 45.0}
+    with open(os.path.join(folder, "arcs.nml"), "w", encoding="ascii") as f:
+        f.write("ARCS\n &LINKS NLOOP=1, MAXARC=4, ILINK=1,-2,-3,4, ILOOP=1,0,0,1, ARCL=30.0,80.0,70.0,90.0, GAMA=3*0.0,180.0, NOUTLK=3, NOUTLP=1 &END\n"
+                " &METHOD MOTION=1, NDES=3, DELT=0.0,30.0,60.0 &END\n &ALLOC ALBAND=0.5 &END\n")
+    done = subprocess.run([os.path.join(programs, "balm"), "--quiet", "arcs.nml"], cwd=folder, capture_output=True, text=True, check=False)
+    texts = {float(e.dxf.text.split()[0]): e.dxf.align_point if e.dxf.hasattr("align_point") else e.dxf.insert
+             for e in ezdxf.readfile(os.path.join(folder, "arcs.dxf")).modelspace() if e.dxf.layer == "TOLERANCES"}
+    tally.check("by loops: lengths stand at their arcs", len(texts) == 4 and all(abs(texts[v].x - x) < 1.0 and abs(texts[v].y) < 3.0 for v, x in lengths.items()),
+                (texts, done.stderr))
+
+
 def refused(program, folder):
     text = sketch(BAR, "fabc", "DRIVE='A'", "'point P'", METHOD)
     for items, words in (("PNAME='P'", "point of one link"), ("PNAME='X'", "no joint or slide is called 'X'"), ("PNAME='B', PLOAD=1", "the case has no forces"),
@@ -442,6 +456,7 @@ def main():
         allotted(program, folder)
         refused(program, folder)
         drawn(os.path.abspath(sys.argv[1]), folder)
+        drawn_by_loops(os.path.abspath(sys.argv[1]), folder)
     return tally.report()
 
 

@@ -347,6 +347,12 @@ def dead_points(work):
     for m in re.findall(r'\{"kind":"(?:opens|extreme)".*?\}(?=\n)', read(work, "dead.html")):
         at = complex(*json.loads(m)["at"])
         check("a mark at a dead point is on the path", min(abs(path - at)) < 0.2, (m, min(abs(path - at))))
+    # rounded so that what is said stays true: not beyond what closes, not before what opens
+    told = re.findall(r"proven: (closes from the drawing to|opens at) (-?[0-9.]+)", read(work, "dead.html"))
+    rows = [(row[0], float(row[2])) for row in block(read(work, "dead.dev9"), "limits") if row[0] in ("closes", "undecided")]
+    check("the words of the page are rounded the safe way", len(told) == len(rows) == 4 and all(
+        words.startswith("closes") and abs(float(number)) <= abs(end) if kind == "closes" else words == "opens at" and abs(float(number)) >= abs(end)
+        for (words, number), (kind, end) in zip(told, rows)), (told, rows))
 
 
 PRESSED = """PRESSED TO A DEAD POINT

@@ -4,6 +4,7 @@
 usage: ssics.py BIN   (directory with the programs). The last line is N passed, N failed.
 """
 import cmath
+import json
 import math
 import os
 import random
@@ -134,6 +135,11 @@ def drives(place):
     check("OFFSETS" in listing, "dropped offsets are told")
     code, _, error, _ = run(data("drive_haines.nml", ("DMEAN=10.0", "DMEAN=0.2")), place)
     check(code == 1, "a mean ratio that no stiffness gives", error)
+    for stiffness, known in ((5.0, False), (50.0, True)):
+        code, listing, error, _ = run(data("drive_haines.nml", ("DMEAN=10.0", "DSTIF=%g" % stiffness)), place, "--json")
+        with open(os.path.join(place, "case.ssics.json"), encoding="utf-8") as file:
+            ratio = json.load(file)["cases"][0]["blocks"]["drive"]["columns"]["frequency_per_speed"]
+        check((ratio[0] is not None) == ("SPEED IS NOT REAL" not in listing) == known, "a ratio that is not real is none", "%s at %g" % (ratio[0], stiffness))
     mean = numpy.mean([row[1] for row in blocks["drive_inertia"]])
     check(abs(mean/0.0015095 - 1) < 5e-4, "inertia on device 9", mean)
 

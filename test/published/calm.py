@@ -325,6 +325,10 @@ def cutting(place):
         run = Run(data(name, ("&CAM", "&CAM TOLCUT=%g, KGCODE=1, NPOINT=720," % tolerance)), place)
         drawing, lines = read_dxf(place)
         check(not drawing.audit().errors, name + ": the drawing is sound")
+        ends = [p for e in drawing.modelspace().query('LINE[layer=="LINKAGE"]') for p in (e.dxf.start, e.dxf.end)]
+        sides = [max(v) - min(v) for v in ([p.x for p in ends], [p.y for p in ends])]
+        radii = {c.dxf.radius for c in drawing.modelspace().query('CIRCLE[layer=="JOINTS"]')}
+        check(len(radii) == 1 and min(radii) > 0.0079*max(sides), name + ": joints are as large as the linkage asks", (radii, sides))
         deviation = run.extremes["cutter_deviation"][0]
         check(0.0 < deviation <= tolerance, name + ": told deviation", deviation)
         check(run.extremes["cutter_arcs"][0] == len(lines["CUTTER"][0]), name + ": arcs counted", run.extremes["cutter_arcs"])
@@ -755,6 +759,9 @@ def sliding(place):
     check(crooked.code == 0, "sliding cam, turned: exit status", crooked.error)
     if len(turned):
         close(abs(turned[-1] - 1j*profile[-1]), 0.0, 1e-9, "sliding cam, turned: its end")
+    with open(os.path.join(place, "case.calm.svg"), encoding="utf-8") as file:
+        down = float(re.search(r'transform="translate\(\S+ (\S+)\) scale', file.read())[1])
+    close(2.0*(down - 56.0), 680.0, 0.1, "sliding cam, turned: a tall drawing takes the greatest height")
     for old, new, words in (("KCAM=2", "KCAM=3", "KCAM"), ("CAMLEN=200.0, ", "", "CAMLEN: missing"), ("CAMLEN=200.0", "CAMLEN=-1.0", "must be above 0"),
                             ("KCAM=2, ", "", "is of a cam that slides"), ("KCAM=2", "KCAM=2, KFOL=2", "needs a roller or a knife edge"),
                             ("KCAM=2", "KCAM=2, KTURN=-1", "does not turn"), ("KCAM=2", "KCAM=2, KHALF=1", "no other half"),

@@ -289,6 +289,8 @@ def curves_drawn(folder):
     crosses = [complex(float(x) + 4, -float(y)) for x, y in re.findall(r'class="pole" d="M([-0-9.]+) ([-0-9.]+)h8', picture)]
     check("four poses: the poles in the picture", len(crosses) > 4 and all(min(abs(z - p) for p in poles) < 0.3 for z in crosses if z.imag < -1),
           (poles, crosses))
+    boxes = [float(re.search(r'<rect class="%s" x="([0-9.]+)"[^>]*/><text class="small"[^>]*>%s<' % of, picture)[1]) for of in ((r"m\d+", "defect"), ("box", "no pivot"))]
+    check("four poses: the boxes of the key stand below each other", abs(boxes[0] - boxes[1]) <= 1.0, boxes)
     # the best linkage's place on the map has its colour
     best = rows[0]
     wanted = (1 if best[4] == 1 else 5) + sum(best[5] > level for level in (15, 30, 45))

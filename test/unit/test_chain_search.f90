@@ -35,6 +35,7 @@ program test_chain_search
    type(checks_t) :: t
 
    call derivatives()
+   call dimensions_of_a_drawing()
    call same_as_loops()
    call timing_and_range()
    call off_the_arcs()
@@ -101,6 +102,53 @@ contains
       end do
       call slopes(problem, x)
    end subroutine derivatives
+
+   !> The dimensions of a drawing give it again, an angle being counted from a line named backwards; so does a length backwards in
+   !> the opposite direction, from which another angle is counted, and it is shown by a positive one. The range of the inputs does
+   !> not begin at the drawing.
+   subroutine dimensions_of_a_drawing()
+      character(*), parameter :: coupler = " &CHAIN JNT='A','B','C','D','P','Q', JX=0.0,-4.0,33.0,90.0,20.0,50.0,"//nl// &
+         " JY=0.0,31.0,82.0,5.0,95.0,110.0, LNK='A D','A B','B C P Q','C D', VARY='B C','B P','angle C B B P','B Q','angle B P B Q'"
+      type(data_set_t), save :: set
+      type(diagnostics_t), save :: findings
+      type(chain_problem_t), save :: problem
+      type(closure_t), save :: closure
+      type(state_t), save :: state
+      real(wp), allocatable :: r(:), x(:)
+      character(:), allocatable :: failure
+      integer :: which
+      logical :: valid
+
+      call read_one('A DRAWING'//nl//coupler//" &END &DRIVES DRIVE='A' &END"//nl// &
+                    " &OUTPUTS OUTPUT='x P','y P','x Q','y Q', DES1=20.0, DES2=95.0, DES3=50.0, DES4=110.0 &END"//nl// &
+                    " &METHOD NDES=1, DELT=0.0 &END &SEARCH SOLVER='LSQ' &END &CONSTR IRANGE=1 &END"//nl, set, findings)
+      call t%equal_integer(findings%count, 0, 'a drawing is read')
+      if (findings%failed()) return
+      call assemble_sketch(set, closure, state, valid, findings)
+      call make_chain_problem(set, closure, state, inputs_of_drives(set, .true.), problem, failure, which)
+      call t%equal_integer(which, 0, 'all its variables vary')
+      allocate (r(problem%residuals))
+      x = problem%first
+      call problem%residuals_at(x, r)
+      call t%close_to(maxval(abs(r)), 0.0_wp, 1.0e-9_wp, 'the dimensions of a drawing give it again')
+      x(2) = -x(2)
+      x(3) = x(3) + 180.0_wp
+      x(5) = x(5) - 180.0_wp
+      call problem%residuals_at(x, r)
+      call t%close_to(maxval(abs(r)), 0.0_wp, 1.0e-9_wp, 'and so does a length backwards')
+      call problem%settle_signs(x)
+      call t%close_to(maxval(abs(x - problem%first)), 0.0_wp, 1.0e-9_wp, 'which is shown by a positive one')
+      problem%delt = [5.0_wp, 10.0_wp]
+      call problem%set_range(x)
+      call t%close_to(minval(problem%between), 5.0_wp, 1.0e-12_wp, 'the range begins at the least input')
+      call t%close_to(maxval(problem%between), 10.0_wp, 1.0e-12_wp, 'and ends at the greatest')
+      call read_one('A CIRCLE'//nl//six_bar(:index(six_bar, 'VARY') - 1)//"VARY='B C','C B' &END &DRIVES DRIVE='A' &END"//nl// &
+                    " &OUTPUTS OUTPUT='point D', DES1=80.0,55.0 &END &METHOD NDES=1, DELT=0.0 &END"//nl, set, findings)
+      call assemble_sketch(set, closure, state, valid, findings)
+      call make_chain_problem(set, closure, state, inputs_of_drives(set, .true.), problem, failure, which)
+      call t%equal_integer(which, 2, 'two joints that are counted from each other')
+      call t%equal_text(failure, 'joint B is counted from C, and that in the end from B', 'what is wrong with them')
+   end subroutine dimensions_of_a_drawing
 
    !> Slopes of constraints at the positions and over the range against central differences, where they were found.
    subroutine slopes(problem, x)

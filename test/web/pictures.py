@@ -366,6 +366,13 @@ def test_drawing():
                     ["#prismatic"]*sum(slide["block"] == j for slide in case["slides"]) + (["#revolute"] if joint["turning"] else [])
                 if not check(law + "symbols of joint " + joint["name"], groups.get(joint["name"]) == symbols, str(groups.get(joint["name"]))):
                     break
+        # a sweep widens the view by a quarter of the larger side of what the positions take, no matter to which side
+        ends = [(min(c), max(c)) for c in ([v for r in row[k] for v in r if v is not None] for k in "xy")]
+        border = 0.25*max(b - a for a, b in ends)
+        view = case["view"]
+        check(law + "the view has what the sweep passes nearby", all(
+            view[k] <= v <= view[k + 2] for r in zip(*(case["sweep"][c] for c in "xy")) if isinstance(r[0], list) and isinstance(r[1], list)
+            for p in zip(*r) if None not in p and all(a - border < v < b + border for v, (a, b) in zip(p, ends)) for k, v in enumerate(p)))
         fixed = [j for j, joint in enumerate(case["joints"]) if joint["fixed"]]
         check(law + "a joint is fixed where it does not move", all(
             (len(set(zip(row["x"][j], row["y"][j]))) == 1) or j not in fixed for j in range(len(at))))
@@ -759,6 +766,12 @@ def test_messages():
     cases = page_data("both.html")
     check("one of two cases is wrong: the other is drawn", code == 2 and cases[0]["sound"] and not cases[1]["sound"] and
           not cases[0]["errors"] and os.path.exists("both.dxf"))
+    one = ("ONE OF TWO\n &CHAIN JNT='A','B','C','D', JX=0.0,0.0,40.0,80.0, JY=0.0,30.0,60.0,0.0, LNK='A D','A B','B C','C D' &END\n"
+           " &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point C' &END &LIMITS LAST=%d &END\n &METHOD NDES=1, DELT=5.0%s &END\n")
+    write("last.nml", one % (0, ", CRNKI=10.0") + one % (1, ""))
+    balm("--quiet", "last.nml")
+    check("what is said of the last line of a case is told with it", [
+        "last.nml:4: " in " ".join(case["warnings"]) for case in page_data("last.html")] == [True, False])
 
 
 def test_findings():

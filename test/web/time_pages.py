@@ -248,6 +248,11 @@ def test_early_end():
         write("rest.nml", re.sub(r"&TIME .*?&END", "&TIME IEQUIL=1 &END", file.read(), flags=re.S))
     picture_tools.balm("--quiet", "rest.nml")
     check("equilibria alone: the positions are drawn", "time" not in page_data("rest.html")[0])
+    with open(os.path.join(DATA, "time", "sprung_four_bar.nml"), encoding="utf-8") as file:
+        write("swing.nml", re.sub(r"&TIME .*?&END", "&TIME TEND=0.1, NTIME=5 &END", changed(file.read(), "'point C'", "'point C','angle rocker'"), flags=re.S))
+    picture_tools.balm("--quiet", "swing.nml")
+    check("an angle in time is drawn by the turn", [panel["scale"] for panel in page_data("swing.html")[0]["panels"]
+                                                    if panel["name"] == "angle_rocker, degrees"] == [360])
 
 
 def test_animation():
