@@ -129,6 +129,20 @@ def test_search():
     check("best first", all(a.analyse().objective <= b.analyse().objective*(1 + 1e-9) for a, b in zip(found, found[1:])))
 
 
+def test_search_in_poses():
+    """No loop has the length C P: a search in the poses of links. The angle between C B and C P, zero in the drawing, changes by parts of
+    a radian, not by thousands of times what it was."""
+    found = psalm.from_text("""A STRAIGHT COUPLER
+ &CHAIN JNT='A','B','C','D','P','Q', JX=0.0,-4.0,33.0,90.0,70.0,51.5, JY=0.0,31.0,82.0,5.0,133.0,107.5, LNK='A D','A B','B C P Q','C D',
+  VARY='B C','C P','angle B C C P','A B','P Q' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P' &END
+ &METHOD NDES=4, DELT=0,36,72,108, DESX=70,75,80,70, DESY=130,133,120,110 &END
+ &SEARCH SOLVER='LSQ', NSTART=1 &END
+""").synthesise()
+    check("a search in poses: the largest change", 0.01 < found["found"]["distance"][0] < 10.0)
+
+
 def test_errors():
     raises("a misspelt item", "did you mean NLOOP?", lambda: psalm.Case.from_text(SLIDER.replace("NLOOP=1", "NLOPP=1")))
     try:
@@ -582,8 +596,9 @@ def test_threads():
     check("two threads on two cases: the digits of each alone", all(set(beside[verb]) == {alone[verb]} for verb in pair))
 
 
-for test in (test_analysis, test_conditions, test_made, test_linkage, test_tolerances, test_search, test_next_study, test_files_of_a_case, test_verbs,
-             test_errors, test_copies, test_names, test_fork, test_bar, test_stopping, test_report, test_threads, test_speed, test_import, test_level):
+for test in (test_analysis, test_conditions, test_made, test_linkage, test_tolerances, test_search, test_search_in_poses, test_next_study,
+             test_files_of_a_case, test_verbs, test_errors, test_copies, test_names, test_fork, test_bar, test_stopping, test_report, test_threads, test_speed,
+             test_import, test_level):
     test()
 test_wrong_arguments(int(sys.argv[2]) if len(sys.argv) > 2 else 4000)
 PROJECT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "pyproject.toml")

@@ -116,6 +116,7 @@ contains
       class(observer_t), intent(inout), optional :: monitor
       type(devices_t), intent(inout) :: devices
       type(chain_synthesis_t), allocatable :: search
+      logical, allocatable :: lengths(:)
       integer :: i, last
 
       allocate (search)
@@ -128,6 +129,7 @@ contains
       synthesis%found%refused = search%refused
       synthesis%found%interrupted = search%stopped
       last = size(search%best)
+      lengths = [(search%problem%is_length(i), i=1, search%problem%variables)]
       deallocate (synthesis%found%best)
       allocate (synthesis%found%best(last), synthesis%drawn(last))
       do i = 1, last
@@ -136,7 +138,7 @@ contains
          synthesis%found%best(i)%objective = search%best(i)%objective
          synthesis%found%best(i)%start = search%best(i)%start
          synthesis%found%best(i)%distance = distance_of(synthesis%found%best(i)%values, &
-                                                        search%problem%first(:search%problem%variables))
+                                                        search%problem%first(:search%problem%variables), lengths)
          allocate (data_set_t :: synthesis%drawn(i)%set)
          call search%draw(set, i, synthesis%drawn(i)%set)
       end do

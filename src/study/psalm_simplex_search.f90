@@ -9,7 +9,7 @@ module psalm_simplex_search
    use psalm_few_positions, only: stage_sizes, positions_of_stage, take_positions
    use psalm_kinds, only: wp, i8
    use psalm_multistart, only: candidate_t, multistart_t, starter_t
-   use psalm_search, only: result_t, start_record_t, distance_of, changes_of, tell_apart
+   use psalm_search, only: result_t, start_record_t, distance_of, lengths_among, tell_apart
    use psalm_search_group, only: pareto_none
    use psalm_simplx, only: simplex_t, simplex_rules_t, search_simplex
    use psalm_solver, only: observer_t, search_state_t, stop_converged, stop_small_objective
@@ -204,7 +204,7 @@ contains
             one%objective = candidate%objective
             one%start = number(kept(i))
             one%iteration = iteration(kept(i))
-            one%distance = distance_of(candidate%x, given, changes_of(problem, given))
+            one%distance = distance_of(candidate%x, given, lengths_among(problem))
          end associate
       end do
 

@@ -99,6 +99,7 @@ module psalm_chain_problem
       procedure :: find_motion
       procedure :: find_values
       procedure :: dimensioned
+      procedure :: is_length
       procedure :: shape_point
       procedure :: settle_signs
    end type chain_problem_t
@@ -210,10 +211,7 @@ contains
          integer, intent(in) :: unknown
          real(wp), parameter :: degrees = 5.0_wp, part = 0.02_wp
 
-         change_of = degrees
-         if (any(problem%moved%of_length == unknown)) change_of = part*closure%size
-         if ((unknown == problem%of_input .or. unknown > problem%variables) .and. problem%unit_of_input == 1.0_wp) &
-            change_of = part*closure%size
+         change_of = merge(part*closure%size, degrees, problem%is_length(unknown))
       end function change_of
 
       subroutine add_unknown(value, low, high, bounded, number)
@@ -348,6 +346,15 @@ contains
          if (joint /= absolute) name = trim(set%sketch%joint_name(joint))
       end function name
    end subroutine make_chain_problem
+
+   !> True for an unknown that is a length, not an angle.
+   pure logical function is_length(self, unknown)
+      class(chain_problem_t), intent(in) :: self
+      integer, intent(in) :: unknown
+
+      is_length = any(self%moved%of_length == unknown) .or. &
+                  (self%unit_of_input == 1.0_wp .and. (unknown == self%of_input .or. unknown > self%variables))
+   end function is_length
 
    !> Desired values of &METHOD for the first output, and those of &OUTPUTS.
    subroutine take_targets(set, problem)

@@ -29,9 +29,9 @@ module psalm_search
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
-   public :: found_t, result_t, start_record_t, search_t, search_many, distance_of, changes_of, place_desired, tell_apart
+   public :: found_t, result_t, start_record_t, search_t, search_many, distance_of, lengths_among, place_desired, tell_apart
 
-   real(wp), parameter :: least_value = 1.0e-3_wp  !! of the first linkage: changes of smaller ones are relative to another value
+   real(wp), parameter :: least_value = 1.0e-3_wp  !! of the first linkage: a smaller one counts as zero
    integer, parameter :: most_returns = 4          !! times a search goes back to work on what an inspection found
    real(wp), parameter :: rough = 1.0e-3_wp        !! relative gain of a step that ends the search of a start ...
    real(wp), parameter :: rough_free = 1.0e-5_wp   !! ... with free timing, whose valleys are long ...
@@ -132,7 +132,7 @@ module psalm_search
       logical :: free = .false.                   !! free timing
       logical, allocatable :: by_default(:)       !! as `result_t` has them
       real(wp), allocatable :: low(:), high(:), first(:)
-      real(wp), allocatable :: unit(:)            !! shape (nvar): what changes are relative to
+      logical, allocatable :: lengths(:)          !! shape (nvar): the variable is a length, no angle
       real(wp), allocatable :: delt(:)            !! shape (positions): those given
       type(multistart_t) :: rules
       type(stop_t) :: ending
@@ -217,7 +217,7 @@ contains
          end associate
       end select
       self%first = first
-      self%unit = changes_of(problem, first)
+      self%lengths = lengths_among(problem)
       self%delt = problem%delt
       call self%rules%make_all(self%team, self%ending, self%candidates, self%best, observer)
    end subroutine make_starts
@@ -389,7 +389,7 @@ contains
                if (self%free) found%delt = candidate%x(size(first) + 1:)
                found%objective = candidate%objective
                found%start = self%rules%number_of(self%best(i))
-               found%distance = distance_of(found%values, first, self%unit)
+               found%distance = distance_of(found%values, first, self%lengths)
             end associate
          end do
       end associate
@@ -406,33 +406,29 @@ contains
       call problem%set_desired(found%desired, weight)
    end subroutine place_desired
 
-   !> Distance of a linkage from the first one: the largest relative change of a value.
-   pure real(wp) function distance_of(values, first, unit) result(distance)
+   !> Distance of a linkage from the first one: the largest change of a value, relative to what it was; of one that was zero,
+   !> relative to the longest length, or to a radian.
+   pure real(wp) function distance_of(values, first, lengths) result(distance)
       real(wp), intent(in) :: values(:), first(:)
-      real(wp), intent(in), optional :: unit(:)  !! what changes are relative to; without it the first value, or `least_value`
+      logical, intent(in) :: lengths(:)          !! the value is a length; others are angles in degrees
+      real(wp) :: unit(size(first))
 
-      if (present(unit)) then
-         distance = maxval(abs(values - first)/unit)
-      else
-         distance = maxval(abs(values - first)/max(abs(first), least_value))
-      end if
+      unit = degrees_per_radian
+      where (lengths) unit = max(least_value, maxval(abs(first), mask=lengths))
+      where (abs(first) >= least_value) unit = abs(first)
+      distance = maxval(abs(values - first)/unit)
    end function distance_of
 
-   !> What changes of values are relative to: the value of the first linkage, of one that is zero the longest length, or a radian.
-   pure function changes_of(problem, first) result(unit)
+   !> Which variables are lengths; the others are angles.
+   pure function lengths_among(problem) result(lengths)
       type(problem_t), intent(in) :: problem
-      real(wp), intent(in) :: first(:)
-      real(wp) :: unit(size(first))
-      logical :: length(size(first))
+      logical :: lengths(size(problem%parameters%variables))
 
       associate (kind => problem%parameters%variables%kind)
-         length = kind == variable_length .or. kind == variable_outlk .or. kind == variable_origlk .or. &
-                  kind == variable_aside .or. (kind == variable_crnki .and. problem%mechanism%sliding_input)
+         lengths = kind == variable_length .or. kind == variable_outlk .or. kind == variable_origlk .or. &
+                   kind == variable_aside .or. (kind == variable_crnki .and. problem%mechanism%sliding_input)
       end associate
-      unit = degrees_per_radian
-      where (length) unit = max(least_value, maxval(abs(first), mask=length))
-      where (abs(first) >= least_value) unit = abs(first)
-   end function changes_of
+   end function lengths_among
 
    !> What makes two linkages different: a length that differs by DIFFER of itself, an angle that differs by DIFFER radians; inputs
    !> of free timing do not.
@@ -443,15 +439,16 @@ contains
       integer, intent(in) :: inputs              !! that are unknowns after the dimensions
       logical, intent(in) :: free                !! free timing
       type(multistart_t), intent(inout) :: rules
+      logical :: lengths(size(problem%parameters%variables))
       integer :: v, n
 
       n = size(problem%parameters%variables)
+      lengths = lengths_among(problem)
       allocate (rules%relative(n + inputs), rules%period(n + inputs), source=0.0_wp)
       allocate (rules%absolute(n + inputs), source=huge(1.0_wp))
       do v = 1, n
          associate (kind => problem%parameters%variables(v)%kind)
-            if (any(kind == [variable_length, variable_outlk, variable_origlk, variable_aside]) .or. &
-                (kind == variable_crnki .and. problem%mechanism%sliding_input)) then
+            if (lengths(v)) then
                rules%relative(v) = set%search%differ
                rules%absolute(v) = set%search%differ*negligible*size_of_linkage
             else

@@ -127,6 +127,8 @@ contains
       call assemble_sketch(set, closure, state, valid, findings)
       call make_chain_problem(set, closure, state, inputs_of_drives(set, .true.), problem, failure, which)
       call t%equal_integer(which, 0, 'all its variables vary')
+      call t%is_true(all([(problem%is_length(which), which=1, problem%variables)] .eqv. &
+                         [.true., .true., .false., .true., .false.]), 'lengths and angles')
       allocate (r(problem%residuals))
       x = problem%first
       call problem%residuals_at(x, r)
