@@ -22,7 +22,7 @@ module psalm_multistart
    integer, parameter :: most_rounds = 8           !! results of the rounds before are shown to the starts of the next
    integer, parameter :: least_of_round = 16       !! starts
    integer, parameter :: most_refinements = 64     !! times further results are searched on, because those before became one
-   integer, parameter :: most_strayed = 16         !! results that strayed, after which no further ones are searched on for others
+   integer, parameter :: most_strayed = 16         !! results that strayed, after which no others are searched on in their place
 
    !> What one start led to.
    type :: candidate_t
@@ -35,7 +35,7 @@ module psalm_multistart
       logical :: refused = .false.         !! the solver refuses the problem
       logical :: settled = .false.         !! it was searched on, so far that it shows where it leads
       logical :: refined = .false.         !! to its end
-      logical :: strayed = .false.         !! to where results are not wanted; those that did not come before it
+      logical :: strayed = .false.         !! out of its bounds: it is listed only if none stayed within
    end type candidate_t
 
    !> A member of the team: works by itself, on memory of its own.

@@ -231,7 +231,7 @@ contains
          if (i < size(proof%limits)) cycle
          before = pieces(size(pieces))%kind
          if (before == piece_undecided .and. size(pieces) > 1) before = pieces(size(pieces) - 1)%kind
-         if (size(dead) < 1 .or. first == piece_undecided) cycle
+         if (size(dead) < 1 .or. first == piece_undecided .or. before == piece_undecided) cycle
          if (dead(1)%low > proof%from .and. dead(size(dead))%high < proof%to) cycle
          if (size(dead) > 1 .and. dead(1)%low <= proof%from) then
             if (dead(size(dead))%high >= proof%to) dead = dead(2:)
