@@ -95,6 +95,34 @@ def dwells(place):
             check(name + ": beyond them it does not", min(away[-2:]) >= amount - slack, (at, low, high, away[-2:]))
 
 
+def short_segment(place):
+    """The clearance of a segment whose ends nearly coincide: no less than proven at any position, and as little at the input told."""
+    case = """TWO JOINTS OF A LINK NEARLY AT ONE PLACE
+ &CHAIN JNT='A','B','C','D','P','Q', JX=0.0,14.0,60.0,110.0,20.0,21.0, JY=0.0,4.0,52.0,-18.0,60.0,60.0,
+  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P Q','C D', LENP='P Q', LENV=1.0E-12 &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P','point C' &END
+ &METHOD %s &END
+ &CONSTR IRANGE=2, NSEG=2, SJNT='P Q','C D', SWIDTH=2*0.0, SCLEAR=2*3.0 &END
+"""
+    listing, _, _ = run(case % "IKIN=10" + " &LIMITS IPROOF=2 &END\n", place)
+    told = re.search(r"LINKS P-Q AND C-D +(\S+) +(\S+) +3.0  KEPT", listing.split("AT LEAST")[-1])
+    check("short segment: it is proven", told, listing)
+    if not told:
+        return
+    least, at = float(told[1]), float(told[2])
+    inputs = spread(0.0, 360.0) + [at]
+    _, _, table = run(case % ("NDES=%d, DELT=%s" % (len(inputs), listed(inputs))), place)
+    gaps = []
+    for row in table:
+        p, c = (complex(float(row["point_%s.x" % joint]), float(row["point_%s.y" % joint])) for joint in "PC")
+        along = c - 110.0 + 18.0j
+        part = ((p - 110.0 + 18.0j)/along).real
+        gaps.append(abs(p - 110.0 + 18.0j - min(1.0, max(0.0, part))*along))
+    check("short segment: no position is nearer", least <= min(gaps)*(1.0 + NEAR), (least, min(gaps)))
+    check("short segment: it is so near there", gaps[-1] <= least + 1e-5, (least, gaps[-1]))
+
+
 def time_ratio(place):
     """The crank angle of the slower stroke over that of the faster one, from the two dead points."""
     listing, blocks, _ = run(SLIDER_CRANK % ("IKIN=30", "IPROOF=1"), place)
@@ -207,6 +235,7 @@ def main():
         many_tubes(place)
         dwells(place)
         time_ratio(place)
+        short_segment(place)
         brackets(place)
     return report()
 
