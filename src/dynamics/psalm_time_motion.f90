@@ -182,7 +182,6 @@ contains
       class(time_motion_t), intent(inout) :: moving   !! with its motion
       logical, intent(out) :: valid
       real(wp) :: length
-      integer :: k
 
       moving%end = end
       moving%tolerance = tolerance
@@ -211,11 +210,9 @@ contains
       call moving%rates(0.0_wp, moving%y, moving%first, valid)
       if (.not. valid) return
       ! over a long time a first step of many turns could seem right by chance
-      associate (f => size(speeds))
-         do k = 1, f
-            moving%step = min(moving%step, moving%size_of(k)/max(abs(speeds(k)), tiny(1.0_wp)), &
-                              sqrt(moving%size_of(k)/max(abs(moving%first(f + k)), tiny(1.0_wp))))
-         end do
+      associate (f => size(speeds), size_of => moving%size_of)
+         if (f > 0) moving%step = moving%step/max(1.0_wp, moving%step*maxval(abs(speeds)/size_of), &
+                                                  moving%step*sqrt(maxval(abs(moving%first(f + 1:2*f))/size_of)))
       end associate
       call choose_friction(moving, valid)
       if (valid) call meet_stops(moving, valid)
