@@ -543,6 +543,15 @@ def test_other_unit():
               [(a, b) for a, b in zip(small, large) if not near(a, b * (other / 1e160), 1e-13, size)][:3])
 
 
+PARALLELOGRAM = """PARALLELOGRAM
+ &CHAIN JNT='A','B','C','D', JX=0.0,8.0,1.0,9.0, JY=0.0,0.0,3.0,3.0, LNAME='frame','crank','coupler','rocker', LNK='A B','A C','C D','B D' &END
+ &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END
+ &OUTPUTS OUTPUT='angle rocker' &END
+ &METHOD IKIN=30 &END
+ &LIMITS IPROOF=2 &END
+"""
+
+
 def test_proof():
     """What is proven stands on picture and page: rings at the ends of what closes, links as wide as they are, the tightest clearance."""
     balm("--quiet", "--output-dir", ".", os.path.join(DATA, "links_apart.nml"))
@@ -573,6 +582,15 @@ def test_proof():
           near(ends[1], 285.69701500315786, 1e-12, 360.0), ends)
     rings = [e for e in Picture("dwell_gap.svg").root.iter() if e.get("class") == "proof opens"]
     check("rings where it opens", len(rings) == 2, len(rings))
+    # a parallelogram is in line with its frame twice a turn
+    write("parallel.nml", PARALLELOGRAM)
+    balm("--quiet", "parallel.nml")
+    marks = [m for m in page_data("parallel.html")[0]["proof"]["marks"] if m["kind"] == "opens"]
+    lines = [turn - math.degrees(math.atan2(3.0, 1.0)) for turn in (180.0, 360.0)]
+    check("change points are marked", len(marks) == 2 and all(
+        m["text"].startswith("undecided at") and near(m["input"], line, 1e-12, 360.0) for m, line in zip(marks, lines)), marks)
+    rings = [e for e in Picture("parallel.svg").root.iter() if e.get("class") == "proof opens"]
+    check("rings at change points", len(rings) == 2, len(rings))
     balm("--quiet", "--output-dir", ".", os.path.join(DATA, "wiper.nml"))
     check("nothing is told as proven unasked", "proof" not in page_data("wiper.html")[0], "")
 
