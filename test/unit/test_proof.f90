@@ -177,8 +177,8 @@ contains
       call t%is_true(.not. movement%has_time_ratio, 'an output with four dead points has no time ratio')
    end subroutine check_movement
 
-   !> The coupler of a parallelogram does not turn: nothing is said of its reversals there. Between the change points, where its links
-   !> cross, crank and rocker are parallel once, and there it reverses.
+   !> The coupler of a parallelogram does not turn: nothing is said of its reversals there. Between the change points, where its
+   !> links cross, crank and rocker are parallel once, and there it reverses.
    subroutine check_parallelogram()
       type(proof_linkage_t) :: linkage
       type(movement_t) :: movement
