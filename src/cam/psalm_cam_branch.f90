@@ -41,7 +41,7 @@ module psalm_cam_branch
    !> Inputs that rise, outputs there, without steps of a turn; no entries: there is none.
    type :: branch_t
       real(wp), allocatable :: q(:), f(:)            !! the user's units
-      real(wp) :: steepest = 0.0_wp                  !! greatest slope of the output
+      real(wp) :: slope = 0.0_wp                     !! mean of the output's: its greatest has no bound where a loop opens
       logical :: dead(2) = .false.                   !! at its lower and upper end the output stands still, and no loop opens
    end type branch_t
 
@@ -150,11 +150,14 @@ contains
       if (last < size(q)) call narrow(q(last), q(last + 1), ends(2), at_ends(2), branch%dead(2))
       branch%q = [ends(1), q(first:last), ends(2)]
       branch%f = [at_ends(1), f(first:last), at_ends(2)]
-      if (.not. what%angular) return
-      do k = 2, size(branch%f)
-         branch%f(k) = branch%f(k - 1) + nearest_difference(branch%f(k), branch%f(k - 1))
-      end do
-      if (.not. present(near)) return
+      if (what%angular) then
+         do k = 2, size(branch%f)
+            branch%f(k) = branch%f(k - 1) + nearest_difference(branch%f(k), branch%f(k - 1))
+         end do
+      end if
+      branch%slope = abs(branch%f(size(branch%f)) - branch%f(1))*what%output_unit()/ &
+                     max((ends(2) - ends(1))*what%input_unit(), tiny(1.0_wp))
+      if (.not. (what%angular .and. present(near))) return
       k = middle - first + 2
       branch%f = branch%f + (near - branch%f(k) + nearest_difference(branch%f(k), near))
 
@@ -175,7 +178,6 @@ contains
          associate (slope => d(1, what%component, :))
             if (size(inputs) > 1 .and. shut(min(middle, size(inputs)))) sense = sign(1.0_wp, slope(middle))
             belongs = shut .and. sense*slope > 0.0_wp
-            if (any(belongs)) branch%steepest = max(branch%steepest, maxval(abs(slope), belongs))
          end associate
          if (present(closes)) closes = shut
       end subroutine assess
@@ -226,7 +228,7 @@ contains
       step = part_of_branch*point%extent
       call quantity%move(point%q + [-step, 0.0_wp, step]/what%input_unit(), highest_order, value, d, shut)
       associate (f => d(:, what%component, :))
-         if (.not. all(shut) .or. .not. abs(f(2, 2))*point%extent > branch%steepest*part_of_branch) return
+         if (.not. all(shut) .or. .not. abs(f(2, 2))*point%extent > branch%slope*part_of_branch) return
          ! what bisection left
          point%q = point%q - f(1, 2)/f(2, 2)/what%input_unit()
          point%d = [f(2, 2), f(3, 2), 0.5_wp*(f(3, 3) - f(3, 1))/step]

@@ -249,7 +249,7 @@ contains
                     fault => states%fault(list(i)))
             if (fault /= fault_none) cycle
             if (.not. shut(i)) fault = fault_open
-            if ((f(1)/motion%ways%branches(on(i))%steepest)**2 < at_rest) fault = fault_dead_point
+            if ((f(1)/motion%ways%branches(on(i))%slope)**2 < at_rest) fault = fault_dead_point
             if (fault /= fault_none) cycle
             dq(1) = y(1)/f(1)
             dq(2) = (y(2) - f(2)*dq(1)**2)/f(1)

@@ -326,6 +326,19 @@ def open_digits(programs, work):
         check("the last row has fewer digits", decimals[-1] != [5, 5], rows)
 
 
+def digits_at_any_speed(programs, work):
+    """How fast the input is changes no digit of the places and angles that are listed, however large the accelerations are."""
+    places = []
+    for speed in (1.0, 1.0e7):
+        run = Run(programs, work, case(FOUR_BAR, ("x P", "angle C D"), "&METHOD NDES=2, DELT=0.0,10.0", "&RATES SPEED=%g, UNITS='RAD/S'" % speed), "kalm")
+        lines = run.listing.split("\n")
+        first = next((k for k, line in enumerate(lines) if line.split()[:2] == ["POSITION", "INPUT"]), len(lines))
+        heads = lines[first].split() if first < len(lines) else []
+        columns = [k - 1 for k, head in enumerate(heads) if head in ("x_P", "angle_C_D")]
+        places.append([[line.split()[k] for k in columns] for line in lines[first + 1:first + 3]])
+    check("places listed at every speed", len(places[0]) == 2 and len(places[0][0]) == 2 and places[0] == places[1], places)
+
+
 def main():
     programs = os.path.abspath(sys.argv[1])
     with tempfile.TemporaryDirectory() as work:
@@ -334,6 +347,7 @@ def main():
         bands_of_the_output_arc(programs, work)
         one_linkage_one_name(programs, work)
         open_digits(programs, work)
+        digits_at_any_speed(programs, work)
         for head in (FOUR_BAR, SIX_BAR):
             groups = ("&METHOD IKIN=30", "&LIMITS TANGLE=89.0, IPLOT=1, ICOND=1", "&TOLER TOLLEN=0.002, TOLANG=0.002, NTRIAL=20000")
             outputs, numbers = OUTPUTS, NUMBERS

@@ -504,6 +504,13 @@ def searches(place):
         check(run.code == 2 and words in run.error, "search refused: " + words, run.error)
 
 
+def offset_slide(rod, law):
+    """A crank of 100 in line with its rod at the last output of the law; the slide passes the crank's pivot at 100."""
+    out = math.sqrt((100 + rod)**2 - 100**2)
+    return data("knuckle_press", ("ARCL=100.0,120.0,0.0,0.0", "ARCL=100.0,%r,0.0,100.0" % rod), ("CRNKI=258.0", "CRNKI=0.0"), ("OUT0=210.0", "OUT0=%r" % (0.5*out)),
+                ("220.0,210.0,220.0,210.0", "%r,%r,%r,%r" % (out, 0.5*out, out, 0.5*out)), ("HARMONIC", law), ("ALFMAX=30.0", "ALFMAX=89.0"))
+
+
 def knuckle(place):
     """A law that rests at a dead point: the equal-legged knuckle in closed form, passed and turned back at; what is refused."""
     equal = data("knuckle_press", ("100.0,120.0", "100.0,100.0"), ("OUT0=210.0", "OUT0=185.0"), ("220.0,210.0,220.0,210.0", "200.0,185.0,200.0,185.0"),
@@ -558,6 +565,16 @@ def knuckle(place):
                             ("SEGOUT=200.0,185.0,200.0", "SEGOUT=200.01,185.0,200.01", "is out of range: the linkage gives")):
         bad = Run(equal.replace(old, new), place)
         check(bad.code == 2 and words in bad.error and not bad.table, "knuckle refused: " + words, bad.error)
+    # an offset slide whose rod is across it at one end of the branch, where the slope has no bound, and in line with the crank at the other
+    turned = offset_slide(30.0, "POLY4567")
+    run = Run(turned, place)
+    check(run.code == 0 and run.listing.count("THE INPUT TURNS BACK AT") == 2, "offset slide: the input turns back", run.error)
+    q = numpy.radians(run.columns["input"])
+    close(numpy.abs(-100*numpy.sin(q) + numpy.sqrt(900 - (100 - 100*numpy.cos(q))**2) - run.columns["output"]).max(), 0.0, 2e-6, "offset slide: its law")
+    close(run.columns["input"].min(), -math.degrees(math.acos(100/130)), 1e-9, "offset slide: where it turns back")
+    # a rod so short that it is across the slide again right beyond the dead point
+    run = Run(offset_slide(2.0, "HARMONIC"), place)
+    check(run.code == 2 and "beyond it the linkage does not move" in run.error, "offset slide: no branch beyond the dead point", run.error)
     # forwards by psalm, legs of unequal length
     run = Run(data("knuckle_press"), place)
     check(run.code == 0, "knuckle press: exit status", run.error)

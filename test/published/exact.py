@@ -608,6 +608,44 @@ def functions(folder):
         places = [p/100.0 for p in phi]
         error = generator_errors("table", seven, rows, 100.0, 80.0, lambda place: min(zip((abs(q - place) for q in places), psi))[1]/80.0, places)
         check("table: error by the analysis", abs(error/rows[0][1] - 1) < 1e-6, (error, rows[0][1]))
+    best_of_neighbours(folder)
+    starts_that_run_away(folder)
+
+
+def best_of_neighbours(folder):
+    """Optima whose errors are small and near each other are all listed: the best is not worse than a four-bar that is known, whose
+    errors alternate six times."""
+    def wanted(place):
+        return 90.0*(math.exp(0.5*place) - 1.0)/(math.exp(0.5) - 1.0)
+
+    crank, coupler, follower, zero_in, zero_out = 5.3642998069741, 7.8397584906589, 3.5340434055243, 2.8602831390142, -1.6082432139228
+    errors = []
+    for k in range(2001):
+        place = k/2000.0
+        across = 1.0 - crank*cmath.exp(1j*(math.radians(90.0*place) + zero_in))
+        cosine = (coupler**2 - follower**2 - abs(across)**2)/(2.0*follower*abs(across))
+        errors.append([math.remainder(math.degrees(cmath.phase(across) + side*math.acos(cosine) - zero_out) - wanted(place), 360.0)
+                       for side in (1, -1)])
+    errors = min(([e[side] for e in errors] for side in (0, 1)), key=lambda own: max(map(abs, own)))
+    largest = max(map(abs, errors))
+    status, listing, rows, _, words = run(
+        "best", "BEST\n &EXACT KIND='FUNCTION', FUNC='EXP', FXLOW=0.0, FXHIGH=0.5, DPHI=90.0, DPSI=90.0, MINIMAX=1, NBEST=9 &END\n", folder)
+    at_level = [e > 0.0 for e in errors if abs(e) > 0.999*largest]
+    alternations = 1 + sum(a != b for a, b in zip(at_level, at_level[1:]))
+    check("a four-bar with a small error is known", largest < 0.00052 and alternations == 6, (largest, alternations))
+    check("of optima with small errors the best is listed", bool(rows) and rows[0][1] < largest*(1 + 1e-4), (largest, rows, words))
+
+
+def starts_that_run_away(folder):
+    """RLONG: where the one optimum of a sense has a longer link, all its starts run to it. Of the linkages through five points, three
+    at most, one is real: there are as many starts of a sense as sets of nodes, 25, or more."""
+    case = "LONG\n &EXACT KIND='FUNCTION', FUNC='LN', FXLOW=1.0, FXHIGH=3.0, DPHI=70.0, DPSI=50.0, MINIMAX=1, NBEST=9, RLONG=%g &END\n"
+    _, listing, all_rows, _, _ = run("all", case % 1000.0, folder)
+    check("RLONG: one optimum of each sense", sorted(r[2] for r in all_rows) == [-1.0, 1.0] and "RLONG" not in listing, listing)
+    _, listing, rows, _, words = run("long", case % 2.0, folder)
+    ran = re.search(r"(-?\d+) starts ran to links longer than RLONG", listing)
+    check("RLONG: one of the two has a link of 2.2", len(rows) == 1 and rows[0] != all_rows[0], (rows, words))
+    check("RLONG: all starts of the other run to it", ran and int(ran[1]) >= 25, listing)
 
 
 # through seven points of a six-bar of Stephenson III

@@ -6,10 +6,11 @@ program test_exact
                               polynomial_roots, slider_pin
    use psalm_certificate, only: certificate_t, certify_poses
    use psalm_defects, only: exact_linkage_t, verdict_t, cognates_of, assess, place_pins
+   use psalm_exact_text, only: write_generator
    use psalm_function_points, only: generators_t, generator_t, plain_point, five_points, four_points, output_of, three_points
    use psalm_generic, only: generic_solutions
    use psalm_generic_counts, only: solutions_of
-   use psalm_kinds, only: wp, radians_per_degree
+   use psalm_kinds, only: wp, full_turn, radians_per_degree
    use psalm_leg_lanes, only: problem_path_t
    use psalm_leg_problem, only: draw_problem, kind_point, kind_pose, kind_timed, leg_problem_t, make_problem, &
                                most_points, variables
@@ -21,7 +22,7 @@ program test_exact
    use psalm_six_bars, only: closing_links, find_stephenson, find_watt, most_links, six_bar_output, six_bar_t, six_bars_t
    use psalm_start_text, only: decode, decode_short, encode, encode_short
    use psalm_symmetric_points, only: leave_a_curve
-   use psalm_text, only: to_text
+   use psalm_text, only: text_t, to_text
    use psalm_tracker, only: track, tracked_t
    use psalm_desired_function, only: function_kind, desired_function_t
    use psalm_xoshiro, only: purpose_starts, xoshiro_t
@@ -30,8 +31,11 @@ program test_exact
    real(wp), parameter :: tight = 1.0e-11_wp
 
    call five()
+   call poses_close_to_each_other()
    call four()
+   call small_and_large()
    call functions()
+   call drawing_of_two_assemblies()
    call six_bars()
    call exchanged_legs()
    call counts()
@@ -90,6 +94,55 @@ contains
       call five_poses(d, g, dyads)
       call t%is_true(dyads%degenerate, 'equal poses are degenerate')
    end subroutine five
+
+   !> Where the body hardly turns the equations say little of its pins, but what is found of them must be exact.
+   subroutine poses_close_to_each_other()
+      integer, parameter :: tries = 20000
+      real(wp), parameter :: part = 0.005_wp            ! of a turn, and of the length 1
+      complex(wp) :: d(4), g(4)
+      type(dyads_t) :: dyads
+      type(xoshiro_t) :: random
+      real(wp) :: draw(3), worst
+      integer :: i, j, k, found
+
+      call random%seed(4, purpose_starts)
+      worst = 0.0_wp
+      found = 0
+      do i = 1, tries
+         do j = 1, 4
+            do k = 1, 3
+               call random%next(draw(k))
+            end do
+            draw = part*(draw - 0.5_wp)
+            d(j) = cmplx(draw(1), draw(2), wp)
+            draw(3) = full_turn*draw(3)*radians_per_degree
+            g(j) = cmplx(-2.0_wp*sin(0.5_wp*draw(3))**2, sin(draw(3)), wp)
+         end do
+         call five_poses(d, g, dyads)
+         found = found + dyads%count
+         do k = 1, dyads%count
+            worst = max(worst, change_of(d, g, dyads%list(k))/(abs(dyads%list(k)%pin) + abs(dyads%list(k)%pivot)))
+         end do
+      end do
+      call t%is_true(found > tries, 'poses close to each other: there are dyads', to_text(found))
+      call t%close_to(worst, 0.0_wp, 1.0e-14_wp, 'poses close to each other: pins move on circles')
+   end subroutine poses_close_to_each_other
+
+   !> The point that is on a line in four poses, of bodies of all sizes.
+   subroutine small_and_large()
+      complex(wp) :: d(4), g(4), pin, own
+      logical :: exists
+      integer :: power
+
+      call poses(d, g)
+      call slider_pin(d(:3), g(:3), pin, exists)
+      do power = -15, 15, 6
+         call slider_pin(10.0_wp**power*d(:3), g(:3), own, exists)
+         call t%is_true(exists, 'four poses: a pin on a line, lengths times 10**'//to_text(power))
+         call t%close_to(abs(own/10.0_wp**power - pin), 0.0_wp, tight, &
+                         'four poses: the same pin, lengths times 10**'//to_text(power))
+      end do
+   end subroutine small_and_large
 
    subroutine four()
       complex(wp) :: d(4), g(4), pin, along, moved(3)
@@ -170,6 +223,55 @@ contains
       if (one%assembly /= 0) worst = error_at_points(one, phi(:3) + 1.0_wp, psi(:3) + 0.7_wp)
       call t%close_to(worst, 0.0_wp, 1.0e-10_wp, 'functions: three points are met')
    end subroutine functions
+
+   !> A linkage whose points lie on both assemblies is drawn at its first point, and its links have their lengths there.
+   subroutine drawing_of_two_assemblies()
+      real(wp), parameter :: frame = 3.0_wp
+      type(generator_t) :: one
+      real(wp) :: phi(3), psi(3), x(4), y(4)
+      logical :: closes, slides
+      integer :: k, side
+
+      do side = 1, -1, -2
+         do k = 1, 2
+            slides = k == 2
+            one = generator_t(slides=slides, r2=0.4_wp, r3=1.1_wp, r4=merge(0.2_wp, 0.9_wp, slides), phi0=0.5_wp, psi0=0.3_wp)
+            phi = [0.2_wp, 0.9_wp, 1.5_wp]
+            one%assembly = -side
+            call output_of(one, phi(2), psi(2), closes)
+            one%assembly = side
+            call output_of(one, phi(1), psi(1), closes)
+            call output_of(one, phi(3), psi(3), closes)
+            one%assembly = 0
+            call draw(one, frame, phi, psi, x(:4 - merge(1, 0, slides)), y(:4 - merge(1, 0, slides)))
+            if (slides) then
+               call t%close_to(norm2([x(3) - x(2), y(3) - y(2)]), one%r3, tight, 'two assemblies: coupler of a slider-crank')
+               call t%close_to(x(3), psi(1) - one%psi0, tight, 'two assemblies: slider of a slider-crank')
+            else
+               call t%close_to(norm2([x(4) - x(3), y(4) - y(3)]), frame*one%r3, tight, 'two assemblies: coupler of a four-bar')
+               call t%close_to(modulo(atan2(y(4) - y(2), x(4) - x(2)) - psi(1) - one%psi0 + 3.0_wp, &
+                                      full_turn*radians_per_degree), 3.0_wp, tight, 'two assemblies: follower of a four-bar')
+            end if
+         end do
+      end do
+   end subroutine drawing_of_two_assemblies
+
+   !> Joints of the case that is written of a linkage.
+   subroutine draw(one, frame, phi, psi, x, y)
+      type(generator_t), intent(in) :: one
+      real(wp), intent(in) :: frame, phi(:), psi(:)
+      real(wp), intent(out) :: x(:), y(:)
+      type(text_t) :: text
+      character(:), allocatable :: words
+      integer :: at
+
+      call write_generator('title', one, frame, phi, psi, 0, text)
+      words = text%content()
+      at = index(words, 'JX=')
+      read (words(at + 3:), *) x
+      at = index(words, 'JY=')
+      read (words(at + 3:), *) y
+   end subroutine draw
 
    !> A driver whose two closing links are known from elsewhere, and searches over a coarse grid.
    subroutine six_bars()

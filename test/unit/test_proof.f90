@@ -7,7 +7,7 @@ program test_proof
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, motion_t, new_problem
    use psalm_exact_sum, only: sign_of_sum
-   use psalm_kinds, only: wp, full_turn
+   use psalm_kinds, only: wp, full_turn, radians_per_degree
    use psalm_plan, only: plan_t, make_plan
    use psalm_proof, only: proof_t, proof_linkage_t, prepare_proof, bind_proof, prove_closure, piece_closes, piece_opens, &
                           piece_undecided, cause_too_short, cause_difference, cause_guide, cause_link, touch_exact, touch_none
@@ -80,6 +80,7 @@ program test_proof
    call t%is_true(proof%closes_everywhere(), 'the needle linkage turns fully')
    call t%is_true(proof%fine_boxes == 0 .and. proof%boxes <= 16, 'a wide margin is proven in few boxes')
    call check_extremes()
+   call check_parallelogram()
 
    do k = 1, size(names)
       call agrees_with_samples(names(k))
@@ -175,6 +176,32 @@ contains
       end associate
       call t%is_true(.not. movement%has_time_ratio, 'an output with four dead points has no time ratio')
    end subroutine check_movement
+
+   !> The coupler of a parallelogram does not turn: nothing is said of its reversals there. Between the change points, where its
+   !> links cross, crank and rocker are parallel once, and there it reverses.
+   subroutine check_parallelogram()
+      type(proof_linkage_t) :: linkage
+      type(movement_t) :: movement
+      type(proven_dead_point_t), allocatable :: own(:)
+      real(wp), parameter :: crank = 30.0_wp, frame = 80.0_wp
+      logical, allocatable :: of_coupler(:)
+
+      call load_case('dyad1_crank_rocker', problem, set)
+      call four_bar([crank, frame, crank, frame])
+      call t%equal_integer(count(proof%limits%touch == touch_exact), 2, 'a parallelogram has two change points')
+      call prepare_proof(problem%mechanism, plan_of(), linkage)
+      call bind_proof(plan_of(), dimensions, linkage)
+      call prove_movement(linkage, proof, 0.0_wp, movement)
+      associate (dead => movement%dead, limits => proof%limits)
+         of_coupler = dead%kind == quantity_turning .and. dead%place == 2
+         own = pack(dead, of_coupler .and. dead%reverses)
+         call are_at(own, [frame_angle + acos(-crank/frame)/radians_per_degree], 'parallelogram, coupler')
+         own = pack(dead, of_coupler .and. .not. dead%reverses)
+         call t%is_true(any(own%low <= limits(1)%from .and. own%high >= limits(1)%to) .and. &
+                        any(own%low <= limits(5)%from .and. own%high >= limits(5)%to), &
+                        'parallelogram: a coupler that does not turn has no sign of its rate')
+      end associate
+   end subroutine check_parallelogram
 
    !> Dead points that reverse lie in narrow brackets round given inputs, and no others.
    subroutine are_at(dead, inputs, what)

@@ -543,6 +543,15 @@ def test_other_unit():
               [(a, b) for a, b in zip(small, large) if not near(a, b * (other / 1e160), 1e-13, size)][:3])
 
 
+PARALLELOGRAM = """PARALLELOGRAM
+ &CHAIN JNT='A','B','C','D', JX=0.0,8.0,1.0,9.0, JY=0.0,0.0,3.0,3.0, LNAME='frame','crank','coupler','rocker', LNK='A B','A C','C D','B D' &END
+ &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END
+ &OUTPUTS OUTPUT='angle rocker' &END
+ &METHOD IKIN=30 &END
+ &LIMITS IPROOF=2 &END
+"""
+
+
 def test_proof():
     """What is proven stands on picture and page: rings at the ends of what closes, links as wide as they are, the tightest clearance."""
     balm("--quiet", "--output-dir", ".", os.path.join(DATA, "links_apart.nml"))
@@ -573,6 +582,15 @@ def test_proof():
           near(ends[1], 285.69701500315786, 1e-12, 360.0), ends)
     rings = [e for e in Picture("dwell_gap.svg").root.iter() if e.get("class") == "proof opens"]
     check("rings where it opens", len(rings) == 2, len(rings))
+    # a parallelogram is in line with its frame twice a turn
+    write("parallel.nml", PARALLELOGRAM)
+    balm("--quiet", "parallel.nml")
+    marks = [m for m in page_data("parallel.html")[0]["proof"]["marks"] if m["kind"] == "opens"]
+    lines = [turn - math.degrees(math.atan2(3.0, 1.0)) for turn in (180.0, 360.0)]
+    check("change points are marked", len(marks) == 2 and all(
+        m["text"].startswith("undecided at") and near(m["input"], line, 1e-12, 360.0) for m, line in zip(marks, lines)), marks)
+    rings = [e for e in Picture("parallel.svg").root.iter() if e.get("class") == "proof opens"]
+    check("rings at change points", len(rings) == 2, len(rings))
     balm("--quiet", "--output-dir", ".", os.path.join(DATA, "wiper.nml"))
     check("nothing is told as proven unasked", "proof" not in page_data("wiper.html")[0], "")
 
@@ -638,7 +656,18 @@ def test_details():
     beside = 28.0 + 2.0*float(hole.get("r"))
     keys = [float(e.get("x")) for e in Picture("four_bar_haines.svg").root.iter(SVG + "text") if e.get("class") == "key" and e.get("x")]
     check("pin: its words stand beside the hole", min(keys[-2:]) > beside, "%s %s" % (keys, beside))
-    check("pin: it touches its hole", abs(math.hypot(float(disc.get("cx")), float(disc.get("cy"))) + float(disc.get("r")) - float(hole.get("r"))) < 0.01)
+    touches(disc, hole, "pin: it touches its hole")
+    # the reference position is half a degree from the positions that the cycle is known at
+    write("between.nml", changed(read(case), "IKIN=5", "NDES=2, DELT=10.0,2.5"))
+    balm("--quiet", "between.nml")
+    pin, = [e for e in Picture("between.svg").root.iter(SVG + "g") if e.get("id") == "pin"]
+    hole, disc = pin.findall(SVG + "circle")
+    touches(disc, hole, "pin: between two positions of its cycle it touches its hole, too")
+
+
+def touches(disc, hole, what):
+    aside = math.hypot(float(disc.get("cx")), float(disc.get("cy")))
+    check(what, abs(aside + float(disc.get("r")) - float(hole.get("r"))) < 0.01, aside)
 
 
 def test_bodies():
