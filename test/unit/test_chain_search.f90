@@ -40,6 +40,7 @@ program test_chain_search
    call timing_and_range()
    call off_the_arcs()
    call regions()
+   call one_valley()
    call floating_cylinder()
    call refused()
    call t%report()
@@ -408,6 +409,27 @@ contains
       call t%finds(refused, '&SEARCH IDYAD: a search in the poses of links does not take the linkage apart into dyads', &
                    'IDYAD is refused')
    end subroutine regions
+
+   !> Where a joint is that nothing is wanted of but to stay in a half-plane changes no objective: all starts end in one valley, and
+   !> one linkage is listed.
+   subroutine one_valley()
+      type(data_set_t), save :: set
+      type(diagnostics_t), save :: findings
+      type(chain_synthesis_t), save :: search
+      type(stop_t), save :: stop
+
+      call read_one('VALLEY'//nl//" &CHAIN JNT='A','B','C','D','E','F','G','P', JX=0.0,0.0,40.0,80.0,45.0,85.0,100.0,-28.7,"//nl// &
+                    " JY=0.0,30.0,60.0,55.0,30.0,20.0,0.0,21.3, LNAME='frame','crank','left','top','right','tie',"//nl// &
+                    " LNK='A G','A B','B C E P','C D','D F G','E F', VARY='E F','B P','angle B C B P' &END"//nl// &
+                    " &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point D', DES1=72.,51.5,69.,50. &END"//nl// &
+                    " &METHOD NDES=2, VAR=0.5, DELT=-12.0,-18.0 &END"//nl// &
+                    " &SEARCH SOLVER='LSQ', NSTART=8, NBEST=8, DIFFER=0.001 &END"//nl// &
+                    " &CONSTR NREGN=1, RKIND=2, RJNT='P', RPLACE=-15.0,0.0,-90.0,0.0 &END"//nl, set, findings)
+      call t%is_true(.not. findings%failed(), 'a joint that nothing depends on')
+      call synthesise_chain(set, 1, stop, search, findings)
+      call t%is_true(search%feasible > 1, 'several starts lead to a linkage')
+      call t%equal_integer(size(search%best), 1, 'linkages that differ in what does not count are one')
+   end subroutine one_valley
 
    !> Several drives, one of them a floating cylinder: what a linkage of known dimensions does is found again.
    subroutine floating_cylinder()
