@@ -193,8 +193,7 @@ contains
       allocate (more(0), ready(0))
       do k = 1, size(sets)
          if (.not. sets(k)%of_kinds) then
-            more = [more, sets(k)]
-            ready = [ready, prepared(k)]
+            call add_cases(sets(k:k), prepared(k:k), more, ready)
          else if (arguments%kinds) then
             call kinds_wanted(sets(k), kinds)
             call report_kinds(sets(k), kinds, devices)
@@ -204,8 +203,7 @@ contains
             call search_kinds(sets(k), threads, stop, study)
             call look_at_choice(study, choices)
             call report_choice(sets(k), study, choices, devices)
-            more = [more, study%sets]
-            ready = [ready, study%prepared]
+            call add_cases(study%sets, study%prepared, more, ready)
             deallocate (study)
          end if
       end do
@@ -213,6 +211,17 @@ contains
       call move_alloc(ready, prepared)
       sets%limits%last = [(0, k=1, size(sets) - 1), (1, k=1, min(1, size(sets)))]
    end subroutine run_kinds
+
+   !> Cases at the end of a list. The only place that copies them here, because such code is long.
+   subroutine add_cases(sets, prepared, more, ready)
+      type(data_set_t), intent(in) :: sets(:)
+      type(prepared_t), intent(in) :: prepared(:)
+      type(data_set_t), allocatable, intent(inout) :: more(:)
+      type(prepared_t), allocatable, intent(inout) :: ready(:)
+
+      more = [more, sets]
+      ready = [ready, prepared]
+   end subroutine add_cases
 
    !> The search of cases that share their starts.
    subroutine run_shared(sets, prepared, devices)

@@ -295,7 +295,6 @@ contains
       type(data_set_t), allocatable, intent(inout) :: sets(:) !! empty
       type(diagnostics_t), intent(inout) :: findings
       type(case_text_t) :: case
-      type(data_set_t), allocatable :: longer(:)
       integer :: next, count, more
 
       if (is_json(lines)) then
@@ -318,16 +317,27 @@ contains
             ! cases are large: copying them takes half as long as reading them
             more = max(1, count)
             if (count > 0) more = max(more, 1 + cases_from(lines, next))
-            allocate (longer(count + more))
-            longer(:count) = sets
-            call move_alloc(longer, sets)
+            call resize(sets, count + more)
          end if
          count = count + 1
          call read_set(case, reader, sets(count), findings)
          if (sets(count)%limits%last /= 0) exit
       end do
-      if (count < size(sets)) sets = sets(:count)
+      if (count < size(sets)) call resize(sets, count)
    end subroutine read_all
+
+   !> As many as asked for; the first keep what they are. The only place that copies cases here, because such code is long.
+   subroutine resize(sets, count)
+      type(data_set_t), allocatable, intent(inout) :: sets(:)
+      integer, intent(in) :: count
+      type(data_set_t), allocatable :: other(:)
+      integer :: kept
+
+      kept = min(count, size(sets))
+      allocate (other(count))
+      other(:kept) = sets(:kept)
+      call move_alloc(other, sets)
+   end subroutine resize
 
    !> How many cases there are from line `next` on, up to one without LAST=0.
    integer function cases_from(lines, next) result(count)

@@ -93,12 +93,12 @@ contains
          n = 0
          do k = 1, size(linkages)
             n = n + 1
-            scenes(n) = cases(linkages(k))%scene
+            call copy(cases(linkages(k))%scene, scenes(n))
             if (.not. allocated(cases(linkages(k))%modes)) cycle
             do i = 1, size(cases(linkages(k))%modes)
                if (cases(linkages(k))%modes(i)%equilibrium == 0) cycle
                n = n + 1
-               scenes(n) = cases(linkages(k))%modes(i)%scene
+               call copy(cases(linkages(k))%modes(i)%scene, scenes(n))
             end do
          end do
          call write_page(scenes, text)
@@ -135,6 +135,14 @@ contains
          text = text_t()
       end subroutine put
    end subroutine draw_file
+
+   !> A procedure of its own: what copies a scene is long, and is there once.
+   subroutine copy(scene, other)
+      type(scene_t), intent(in) :: scene
+      type(scene_t), intent(inout) :: other
+
+      other = scene
+   end subroutine copy
 
    !> Curves of each valid case.
    subroutine draw_curves(cases, progress, mark, pictures)

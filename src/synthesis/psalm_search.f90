@@ -227,8 +227,10 @@ contains
    subroutine gather(count, team)
       integer, intent(in) :: count
       class(starter_t), allocatable, intent(out) :: team(:)
+      class(worker_t), allocatable :: one     ! by whose type they come from one procedure, not from code that is repeated here
 
-      allocate (worker_t :: team(count))
+      allocate (one)
+      allocate (team(count), mold=one)
    end subroutine gather
 
    !> Make so many starts more, to their ends.

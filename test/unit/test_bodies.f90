@@ -64,12 +64,13 @@ contains
    !> Links on the way to the frame, its own included, by the shortest way through pins; * through slides, for no pins lead there.
    subroutine hangs(name, wanted)
       character(*), intent(in) :: name, wanted
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(pin_order_t) :: pins
       character(:), allocatable :: words
       integer :: b
 
+      allocate (problem, set)
       call load_case(name, problem, set)
       call order_by_pins(problem%mechanism, pins)
       words = ''
@@ -81,9 +82,10 @@ contains
 
    subroutine has(name, wanted)
       character(*), intent(in) :: name, wanted
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
 
+      allocate (problem, set)
       call load_case(name, problem, set)
       call t%equal_text(in_words(problem%mechanism), wanted, 'joints of '//name)
       call t%is_true(all(problem%mechanism%joints%attached), 'the joints of '//name//' are points of both their bodies')
@@ -106,10 +108,11 @@ contains
 
    !> The ten-bar needle linkage has nine moving links; its ternary links are one body each, however many arcs they have.
    subroutine needle_bodies()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       integer :: b
 
+      allocate (problem, set)
       call load_case('needle', problem, set)
       associate (mechanism => problem%mechanism)
          call t%equal_integer(size(mechanism%bodies), 10, 'bodies of the ten-bar linkage')
@@ -184,12 +187,13 @@ contains
    !> In motion the points of a body keep their distances, and its arcs keep their angles to its axis.
    subroutine bodies_are_rigid(name)
       character(*), intent(in) :: name
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       real(wp), allocatable :: x(:, :), y(:, :), turned(:, :)
       real(wp) :: worst, off, size_of
       integer :: n, b, k, j
 
+      allocate (problem, set)
       call load_case(name, problem, set, everything=.true.)
       call problem%bind(problem%given)
       call find_places(problem, x, y, turned)

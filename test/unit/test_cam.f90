@@ -45,8 +45,8 @@ contains
    subroutine eccentric_disc()
       integer, parameter :: n = 120
       real(wp), parameter :: roller = 25.0_wp, crank = 40.0_wp, coupler = 120.0_wp, rocker = 80.0_wp, frame = 130.0_wp
-      type(problem_t) :: given, problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: given, problem
+      class(data_set_t), allocatable :: set
       type(rates_t) :: rates
       type(cam_trace_t) :: states
       type(cam_points_t) :: points
@@ -54,6 +54,7 @@ contains
       integer :: block, offset, m, i
       real(wp) :: side
 
+      allocate (given, problem, set)
       call load_case('dyad1_crank_rocker', given, set)
       ! the start of the rocker's arc is the pin of the coupler
       given%mechanism%outputs = [output_t(motion_pose, 3, .true.)]

@@ -44,9 +44,10 @@ contains
 
    !> Stephenson's chain on the frame DCG, driven at FG: rates and a position of the group of four.
    subroutine triad()
-      type(chain_study_t) :: s
+      class(chain_study_t), allocatable :: s
       real(wp), parameter :: tight = 1.0e-9_wp
 
+      allocate (s)
       call study('STEPHENSON'//nl//" &CHAIN JNT='A','B','C','D','E','F','G', JX=0.0,1.0,5.0,6.0,2.0,6.0,8.0,"//nl// &
                  " JY=0.0,3.0,4.0,-0.5,5.0,8.0,4.5, LNK='DCG','AD','ABE','BC','EF','FG' &END"//nl// &
                  " &DRIVES DRIVE='G' &END &OUTPUTS OUTPUT='angle A D','angle A B','angle B C','angle E F','point E','point B'"// &
@@ -67,8 +68,9 @@ contains
 
    !> A cylinder between the two arms of a scissors lift.
    subroutine scissors()
-      type(chain_study_t) :: s
+      class(chain_study_t), allocatable :: s
 
+      allocate (s)
       call study('LIFT'//nl//" &CHAIN JNT='A','M','B','C','D','P','Q',"//nl// &
                  ' JX=0.0,0.8660254037844386,2*1.7320508075688772,0.0,0.34641016151377546,0.4330127018922193,'//nl// &
                  ' JY=0.0,0.5,0.0,1.0,1.0,0.2,0.75,'//nl// &
@@ -85,11 +87,12 @@ contains
 
    !> Two cranks, driven apart and geared.
    subroutine five_bar()
-      type(chain_study_t) :: s
+      class(chain_study_t), allocatable :: s
       character(*), parameter :: chain = 'FIVE-BAR'//nl//" &CHAIN JNT='A','B','C','G','E', JX=0.0,3.0,40.0,85.0,80.0,"//nl// &
          " JY=0.0,50.0,90.0,49.0,0.0, LNK='A E','A B','B C','C G','G E' &END &OUTPUTS OUTPUT='point C' &END"//nl
       real(wp), parameter :: tight = 1.0e-11_wp
 
+      allocate (s)
       call study(chain//" &DRIVES DRIVE='A','E', DELT2=-5.729577951308232 &END &METHOD NDES=1, DELT=11.459155902616465 &END"//nl, s)
       call t%close_to(s%values(1, 0, 1), 38.066540338718_wp, tight, 'C, x, of two drives')
       call t%close_to(s%values(2, 0, 1), 80.236141222696_wp, tight, 'C, y')
@@ -103,9 +106,10 @@ contains
 
    !> A four-bar that cannot turn fully stops at its dead point, and is found again on the near side of it.
    subroutine end_of_range()
-      type(chain_study_t) :: s
+      class(chain_study_t), allocatable :: s
       logical :: expected(4)
 
+      allocate (s)
       ! crank 60, coupler 50, rocker 40, frame 100: the crank's angle is at most acos((3600+10000-8100)/12000)
       call study('DOUBLE ROCKER'//nl//" &CHAIN JNT='A','B','C','D', JX=0.0,60.0,84.0,100.0, JY=0.0,0.0,36.0,0.0,"//nl// &
                  " LNK='AD','AB','BC','CD', LENP='AB','BC','CD','AD', LENV=60.0,50.0,40.0,100.0 &END"//nl// &
@@ -116,10 +120,11 @@ contains
 
    !> Velocity, acceleration and jerk of everything against differences of positions: an excavator's cylinders.
    subroutine rates_by_differences()
-      type(chain_study_t) :: s
+      class(chain_study_t), allocatable :: s
       integer :: n
       real(wp), parameter :: h = 1.0e-3_wp
 
+      allocate (s)
       call study('EXCAVATOR'//nl//" &CHAIN JNT='A','B','C','D','E','F','G','H','I','J','K','T',"//nl// &
                  ' JX=0.0,0.5,2.6,2.9,5.2,4.6,5.0,6.0,6.6,6.3,5.9,7.0, JY=1.5,1.0,3.4,3.9,3.2,3.9,3.7,1.9,1.6,2.3,2.4,0.5,'//nl// &
                  " LNK='AB','ACDE','EFGHK','HJ','JI','KIT' &END"//nl// &
@@ -147,8 +152,9 @@ contains
 
    !> Willis: with the sun held a planet of half its teeth turns three times as fast as the carrier.
    subroutine planetary()
-      type(chain_study_t) :: s
+      class(chain_study_t), allocatable :: s
 
+      allocate (s)
       call study('PLANET'//nl//" &CHAIN JNT='A','B','P', JX=0.0,30.0,40.0, JY=0.0,0.0,0.0,"//nl// &
                  " LNAME='sun','carrier','planet', LNK='A','AB','BP', GEARA='sun', GEARB='planet', GCARR='carrier',"//nl// &
                  " GTA=40, GTB=20 &END &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='angle B P' &END"//nl// &
@@ -158,7 +164,7 @@ contains
    end subroutine planetary
    !> A parallelogram with a third link (KOVER=1): every point goes round a circle like the cranks' ends.
    subroutine special_dimensions()
-      type(chain_study_t) :: s
+      class(chain_study_t), allocatable :: s
       type(data_set_t), allocatable :: sets(:)
       type(diagnostics_t) :: findings, reported
       character(*), parameter :: chain = 'PARALLELOGRAM'//nl//" &CHAIN JNT='A','B','C','D','E','F','P',"//nl// &
@@ -169,6 +175,7 @@ contains
       complex(wp) :: p
       integer :: k
 
+      allocate (s)
       call study(chain//rest, s)
       call t%is_true(all(s%motion%closed), 'the parallelogram closes')
       do k = 1, 5
@@ -191,12 +198,13 @@ contains
 
    !> An excavator over a grid of its three strokes: lengths of all links and strokes of all cylinders are kept everywhere.
    subroutine envelope()
-      type(chain_study_t) :: s
+      class(chain_study_t), allocatable :: s
       character(4000) :: first, second, third
       integer, parameter :: steps = 4
       integer :: a, b, c, k
       real(wp) :: wrong
 
+      allocate (s)
       first = ''
       second = ''
       third = ''

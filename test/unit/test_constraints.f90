@@ -55,9 +55,9 @@ contains
    !> Derivatives of output, constraints and joints against central differences, at positions that close and that do not.
    subroutine derivatives_past_closing(name)
       character(*), intent(in) :: name
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(sample_set_t) :: samples
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
+      class(sample_set_t), allocatable :: samples
       type(dimensions_t) :: dimensions
       real(wp), allocatable :: values(:), changed(:), ahead(:, :, :), near(:, :)
       real(wp), allocatable :: joints(:, :, :, :)
@@ -65,6 +65,7 @@ contains
       type(beside_t) :: beside(2)
       integer :: v, i, joint(2, 2), opened
 
+      allocate (problem, set, samples)
       call load_case(name, problem, set, vary=.true.)
       problem%toggle = 0.5_wp
       joint = reshape([1, 1, 1, problem%mechanism%place(1, 1)], [2, 2])
@@ -494,14 +495,15 @@ contains
    !> Whatever the lengths are, what is found is finite, open dyads included.
    subroutine finite_store(name)
       character(*), intent(in) :: name
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(dimensions_t) :: dimensions
       real(wp), parameter :: factors(7) = [1.0_wp, 1.0e-2_wp, epsilon(1.0_wp), tiny(1.0_wp)**0.5_wp, tiny(1.0_wp)**0.9_wp, &
                                            3.0_wp, 1.0e3_wp]
       integer :: trial, i, block, offset, n
       logical :: finite
 
+      allocate (problem, set)
       call load_case(name, problem, set, everything=.true.)
       dimensions = problem%given
       finite = .true.
@@ -541,14 +543,15 @@ contains
 
    !> Timing over the whole path: points of the path itself are found again, in order and not.
    subroutine timing()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(merit_t) :: merit
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
+      class(merit_t), allocatable :: merit
       type(timing_t) :: whole
       real(wp), allocatable :: delt(:), places(:)
       integer :: ordered, i
       logical :: rises
 
+      allocate (problem, set, merit)
       call load_case('line6', problem, set)
       places = [(12.0_wp + 51.0_wp*real(i, wp), i=0, problem%positions - 1)]
       do ordered = 0, 1
@@ -606,8 +609,9 @@ contains
    !> Make the points a linkage goes through the desired ones.
    subroutine points_of_itself(problem)
       type(problem_t), intent(inout) :: problem
-      type(sample_set_t) :: samples
+      class(sample_set_t), allocatable :: samples
 
+      allocate (samples)
       call prepare_samples(problem, problem%delt, .false., reshape([integer ::], [2, 0]), .false., samples)
       call evaluate_samples(samples, problem%given)
       call problem%set_desired(samples%out)

@@ -51,13 +51,14 @@ contains
 
    subroutine no_allocation(name)
       character(*), intent(in) :: name
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(dimensions_t) :: dimensions
       real(wp) :: objective, total
       real(wp), allocatable :: probe(:)
       integer :: before, loop, i
 
+      allocate (problem, set)
       call load_case(name, problem, set)
       if (.not. problem%desired) then
          call problem%set_desired(spread(spread(1.0_wp, 1, problem%positions), 2, problem%output%kind%components))
@@ -81,9 +82,10 @@ contains
 
    !> The output hangs on loop 2 of 64: two dyads are solved, as in a linkage of two loops.
    subroutine pruning()
-      type(problem_t) :: pruned, whole, everything
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: pruned, whole, everything
+      class(data_set_t), allocatable :: set
 
+      allocate (pruned, whole, everything, set)
       call load_case('hard/pruned64', pruned, set)
       call load_case('hard/chain64', whole, set)
       call load_case('hard/pruned64', everything, set, everything=.true.)
@@ -95,12 +97,13 @@ contains
    end subroutine pruning
 
    subroutine threads()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       integer, parameter :: n = 20000
       real(wp) :: one, many
       integer :: i, loop
 
+      allocate (problem, set)
       call load_case('needle', problem, set)
       problem%tangle = 90.0_wp
       call problem%set_inputs([(real(i, wp)*0.018_wp, i=1, n)])

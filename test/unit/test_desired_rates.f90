@@ -75,13 +75,14 @@ contains
       character(*), intent(in) :: name
       integer, intent(in), optional :: motion
       integer, parameter :: power = 300
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(desired_rates_t) :: own, large
       type(dimensions_t) :: dimensions
       integer :: v, order, by_input, by_this, of_output
       logical :: same
 
+      allocate (problem, set)
       call load_case(name, problem, set, vary=.true., motion=motion)
       call let_want(problem)
       call prepare_desired_rates(problem, .false., .true., own)
@@ -127,8 +128,8 @@ contains
    subroutine changes(name, motion, n)
       character(*), intent(in) :: name
       integer, intent(in), optional :: motion, n
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(desired_rates_t) :: wanted, moved
       type(rates_t) :: rates
       type(dimensions_t) :: dimensions
@@ -138,6 +139,7 @@ contains
       real(wp), parameter :: weight(3) = [0.75_wp, -0.15_wp, 1.0_wp/60.0_wp]
       character(:), allocatable :: label
 
+      allocate (problem, set)
       call load_case(name, problem, set, n=n, vary=.true., motion=motion)
       label = trim(name)//', MOTION='//to_text(problem%motion)//': '
       call let_want(problem)
@@ -211,9 +213,10 @@ contains
    subroutine gradient(name, free)
       character(*), intent(in) :: name
       logical, intent(in) :: free
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
 
+      allocate (problem, set)
       call load_case(name, problem, set, vary=.true.)
       call let_want(problem)
       set%method%ifree = merge(1, 0, free)
@@ -225,12 +228,13 @@ contains
    subroutine gradient_of_wheels(name, first, second, carrier, teeth, unknowns)
       character(*), intent(in) :: name, first, second, carrier, teeth
       integer, intent(in) :: unknowns                !! lengths and angles, and three inputs
-      type(data_set_t) :: set
+      class(data_set_t), allocatable :: set
       type(diagnostics_t) :: findings
       type(prepared_t), allocatable :: prepared
-      type(problem_t) :: problem
+      class(problem_t), allocatable :: problem
       type(line_t) :: none(0)
 
+      allocate (set, problem)
       allocate (prepared)
       call read_one('GEARS'//nl//" &CHAIN JNT='A','B','C','D','E','P', JX=0.0,1.0,4.0,6.0,5.0,3.0, JY=0.0,1.0,4.0,1.0,0.0,5.0,"// &
                     nl//" LNAME='frame','crank','first','second','wheel', LNK='A E','A B','B C P','C D','D E',"//nl// &
@@ -250,12 +254,13 @@ contains
       character(*), intent(in) :: name
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(inout) :: problem
-      type(merit_t) :: merit
+      class(merit_t), allocatable :: merit
       type(normal_equations_t) :: equations
       real(wp), allocatable :: x(:), moved(:), slope(:)
       real(wp) :: step, ahead, behind, unused, difference
       integer :: v
 
+      allocate (merit)
       call prepare_merit(set, problem, problem%parameters%first_values(problem%given), merit)
       x = merit%point(problem%parameters%first_values(problem%given), problem%delt)
       call merit%linearise(x, 0.0_wp, equations)
@@ -289,17 +294,17 @@ contains
    subroutine as_in_poses(output, motion)
       character(*), intent(in) :: output
       integer, intent(in) :: motion
-      type(data_set_t) :: set, in_poses, again
+      class(data_set_t), allocatable :: set, in_poses, again
       type(text_t) :: text
       real(wp) :: before
       type(diagnostics_t) :: findings
-      type(prepared_t) :: prepared
-      type(problem_t) :: problem
-      type(synthesis_t) :: by_loops
-      type(chain_synthesis_t) :: by_poses
-      type(chain_study_t) :: other
+      class(prepared_t), allocatable :: prepared
+      class(problem_t), allocatable :: problem
+      class(synthesis_t), allocatable :: by_loops
+      class(chain_synthesis_t), allocatable :: by_poses
+      class(chain_study_t), allocatable :: other
       type(dimensions_t) :: dimensions
-      type(analysis_t) :: analysis
+      class(analysis_t), allocatable :: analysis
       type(line_t) :: none(0)
       type(stop_t) :: stop
       character(*), parameter :: links = " LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P','C D',"//nl, &
@@ -314,6 +319,7 @@ contains
       character(:), allocatable :: sketch
       integer :: order, c, columns, which
 
+      allocate (set, in_poses, again, prepared, problem, by_loops, by_poses, other, analysis)
       sketch = links//" VARY='A B','B C','C D','input'"//drive
       if (motion == motion_pose) sketch = links//" VARY='A B','B C','C D','place D','input'"//drive
       if (motion == motion_point .or. motion == motion_distance) sketch = links// &
@@ -525,9 +531,10 @@ contains
 
    subroutine reported(items, words)
       character(*), intent(in) :: items, words
-      type(data_set_t) :: set
+      class(data_set_t), allocatable :: set
       type(diagnostics_t) :: findings
 
+      allocate (set)
       call read_one(four_bar//items//' &END'//nl, set, findings)
       call t%equal_integer(findings%count, 1, 'one message: '//words)
       call t%finds(findings, words, 'message')

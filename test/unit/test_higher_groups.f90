@@ -32,8 +32,8 @@ contains
    subroutine one_case(name, n)
       character(*), intent(in) :: name
       integer, intent(in), optional :: n           !! case of the file
-      type(data_set_t) :: set
-      type(problem_t) :: dyads, groups
+      class(data_set_t), allocatable :: set
+      class(problem_t), allocatable :: dyads, groups
       type(motion_t) :: by_dyads, by_groups
       type(mechanism_t) :: mechanism
       type(dimensions_t) :: dimensions
@@ -41,6 +41,7 @@ contains
       integer :: near
       real(wp) :: size_of
 
+      allocate (set, dyads, groups)
       what = trim(name)
       if (present(n)) what = what//' '//to_text(n)
       call load_case(name, dyads, set, n=n, everything=.true., vary=.true.)

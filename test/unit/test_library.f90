@@ -200,12 +200,13 @@ contains
    subroutine refused(case, words, law)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: words, law
-      type(analysis_t) :: analysis
+      class(analysis_t), allocatable :: analysis
       type(rate_study_t) :: rates
-      type(synthesis_t) :: search
+      class(synthesis_t), allocatable :: search
       type(tolerances_t) :: tolerances
       type(findings_t) :: findings, of_rates, of_search, of_tolerances
 
+      allocate (analysis, search)
       call analyse(case, analysis, findings)
       call t%finds(findings, words, law)
       call t%is_true(size(analysis%motion%input) == 0 .and. .not. analysis%is_violating(), law//': nothing was analysed')
@@ -222,9 +223,10 @@ contains
    subroutine changed()
       type(case_t) :: made
       type(case_t), allocatable :: cases(:)
-      type(analysis_t) :: one, two
+      class(analysis_t), allocatable :: one, two
       type(findings_t) :: findings
 
+      allocate (one, two)
       made = slider_crank()
       call read_text('A'//nl//links//method, cases, findings)
       call made%set_length(1, 1, 35.0_wp)
@@ -378,10 +380,11 @@ contains
    !> A search by the simplex, and its best vertex as a case.
    subroutine simplex()
       type(case_t), allocatable :: cases(:)
-      type(synthesis_t) :: search
-      type(analysis_t) :: analysis
+      class(synthesis_t), allocatable :: search
+      class(analysis_t), allocatable :: analysis
       type(findings_t) :: findings
 
+      allocate (search, analysis)
       call read_file('data/needle.nml', cases, findings)
       call synthesise(cases(1), search, findings)
       call t%equal_integer(search%ending, ended_iterations, 'the simplex stops at NITER')
@@ -455,9 +458,10 @@ contains
    subroutine ended()
       type(host_t), target :: host
       type(stop_t) :: stop
-      type(synthesis_t) :: search
+      class(synthesis_t), allocatable :: search
       type(findings_t) :: findings
 
+      allocate (search)
       host%wants_end = .true.
       call stop%listen_to(host)
       call synthesise(path_of_five_points(), search, findings, stop=stop)

@@ -32,7 +32,7 @@ contains
       type(data_set_t), intent(inout) :: set
       type(problem_t), intent(out) :: problem
       type(merit_t), intent(out) :: merit
-      type(prepared_t), allocatable :: prepared
+      class(prepared_t), allocatable :: prepared
       type(line_t), allocatable :: none(:)
 
       allocate (prepared, none(0))
@@ -45,9 +45,9 @@ contains
    !> back to them. And no other place, size, direction or output point of a distorted one is better than the one solved for.
    subroutine back_to_points(set)
       type(data_set_t), intent(inout) :: set
-      type(problem_t), allocatable :: problem
-      type(merit_t), allocatable :: merit
-      type(sample_set_t), allocatable :: samples
+      class(problem_t), allocatable :: problem
+      class(merit_t), allocatable :: merit
+      class(sample_set_t), allocatable :: samples
       type(linear_unknowns_t), allocatable :: linear
       type(xoshiro_t) :: random
       real(wp), allocatable :: values(:), first(:), x(:), near(:), delt(:)
@@ -110,9 +110,9 @@ contains
    !> Where the frame of the second loop has a direction of its own that does not vary, the whole cannot be turned.
    subroutine fixed_frame(set)
       type(data_set_t), intent(in) :: set
-      type(data_set_t), allocatable :: fixed
-      type(problem_t), allocatable :: problem
-      type(merit_t), allocatable :: merit
+      class(data_set_t), allocatable :: fixed
+      class(problem_t), allocatable :: problem
+      class(merit_t), allocatable :: merit
 
       allocate (problem, merit)
       allocate (fixed, source=set)

@@ -144,11 +144,12 @@ contains
 
    !> A crank of length a that turns fully, in regions whose distance from its circle is known.
    subroutine solved_by_hand()
-      type(data_set_t) :: set
-      type(problem_t) :: problem
+      class(data_set_t), allocatable :: set
+      class(problem_t), allocatable :: problem
       real(wp) :: a, least(9)
       real(wp), parameter :: half = 1.5_wp
 
+      allocate (set, problem)
       call load_case('dyad1_crank_rocker', problem, set)
       a = problem%given%arcl(1)
       set%constr%irange = range_turn
@@ -176,10 +177,11 @@ contains
    !> The pin between coupler and rocker comes nearest to the crank's pivot where crank and coupler are in line, folded, and goes
    !> farthest from it where they are stretched.
    subroutine stretched_and_folded()
-      type(data_set_t) :: set
-      type(problem_t) :: problem
+      class(data_set_t), allocatable :: set
+      class(problem_t), allocatable :: problem
       real(wp) :: least
 
+      allocate (set, problem)
       call load_case('dyad1_crank_rocker', problem, set)
       set%constr%irange = range_turn
       associate (arcl => problem%given%arcl)
@@ -192,11 +194,12 @@ contains
 
    !> A crank-rocker opens where crank and frame in line are as long as both links: all four are off by a fourth of the difference.
    subroutine worst_corner()
-      type(data_set_t) :: set
-      type(problem_t) :: problem
+      class(data_set_t), allocatable :: set
+      class(problem_t), allocatable :: problem
       type(proof_study_t), allocatable :: study
       real(wp) :: exact
 
+      allocate (set, problem)
       call load_case('dyad1_crank_rocker', problem, set)
       exact = 0.25_wp*(problem%given%arcl(2) + problem%given%arcl(3) - problem%given%arcl(1) - problem%given%arcl(4))
       set%limits%iproof = proof_of_turn

@@ -60,14 +60,15 @@ contains
    !> Derivatives of the constraints against central differences.
    subroutine constraint_derivatives(name)
       character(*), intent(in) :: name
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(sensitivity_t) :: work
       type(dimensions_t) :: dimensions
       real(wp), allocatable :: dout(:, :, :), dk(:, :, :), ahead(:, :), behind(:, :), values(:), changed(:)
       real(wp) :: step, worst, size_of
       integer :: v, nvar
 
+      allocate (problem, set)
       call load_case(name, problem, set, vary=.true.)
       call problem%want_derivatives(.false.)
       nvar = size(problem%parameters%variables)
@@ -114,15 +115,16 @@ contains
       character(*), intent(in) :: name
       integer, intent(in) :: starts
       real(wp), intent(in) :: value
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(result_t) :: found
       type(dimensions_t) :: dimensions
       type(motion_t) :: motion
-      type(inspector_t) :: inspector
+      class(inspector_t), allocatable :: inspector
       type(margin_t), allocatable :: margins(:)
       character(:), allocatable :: label
 
+      allocate (problem, set, inspector)
       label = name//', '//to_text(starts)//' starts: '
       call load_case(name, problem, set)
       set%search%solver = find_solver('LSQ')
@@ -143,10 +145,11 @@ contains
    end subroutine published
 
    subroutine bounds()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(result_t) :: found
 
+      allocate (problem, set)
       call load_case('chain_short', problem, set)
       set%search%solver = find_solver('LSQ')
       set%limits%limval = 1
@@ -159,11 +162,12 @@ contains
    end subroutine bounds
 
    subroutine threads()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(result_t) :: one, two
       integer :: i
 
+      allocate (problem, set)
       call load_case('path18', problem, set)
       set%search%solver = find_solver('LSQ')
       set%search%nstart = 21

@@ -59,9 +59,10 @@ contains
       type(dimensions_t), intent(out) :: dimensions
       type(data_set_t), allocatable :: sets(:)
       type(diagnostics_t) :: findings
-      type(prepared_t) :: prepared
+      class(prepared_t), allocatable :: prepared
       type(line_t) :: none(0)
 
+      allocate (prepared)
       call read_case_text(text, 'test', sets, findings, 'psalm')
       call t%is_true(.not. findings%failed(), 'is read: '//text(:index(text, nl) - 1))
       if (findings%failed()) return
@@ -75,16 +76,17 @@ contains
 
    subroutine changes(title, text)
       character(*), intent(in) :: title, text
-      type(data_set_t) :: set, posed
-      type(problem_t) :: problem
+      class(data_set_t), allocatable :: set, posed
+      class(problem_t), allocatable :: problem
       type(dimensions_t) :: dimensions
       type(output_targets_t) :: targets
       type(diagnostics_t) :: findings
-      type(chain_study_t) :: witness
+      class(chain_study_t), allocatable :: witness
       real(wp), allocatable :: x(:), slope(:, :), at(:, :, :), size_of(:)
       real(wp), parameter :: h = 1.0e-3_wp, steps(4) = [2.0_wp, 1.0_wp, -1.0_wp, -2.0_wp]
       integer :: v, k, which
 
+      allocate (set, posed, problem, witness)
       call load(title//nl//text//" &LIMITS TANGLE=89.0, TOGGLE=0.0 &END"//nl, set, problem, dimensions)
       if (.not. allocated(problem%target_values)) then
          call t%is_true(.false., title//': has targets')
@@ -146,14 +148,15 @@ contains
                                  rest = " &DRIVES DRIVE='M' &END"//nl//" &OUTPUTS OUTPUT='y W','distance S L',"// &
                 "'ratio rise shock',"//nl//" ONAME='rise','shock','leverage'", &
                                  method = ' &METHOD NDES=5, DELT=0.0,-3.0,-6.0,-9.0,-12.0 &END'//nl
-      type(data_set_t) :: set
-      type(problem_t) :: problem
+      class(data_set_t), allocatable :: set
+      class(problem_t), allocatable :: problem
       type(dimensions_t) :: dimensions
       type(output_targets_t) :: targets
-      type(synthesis_t) :: synthesis
+      class(synthesis_t), allocatable :: synthesis
       type(stop_t) :: stop
       character(200) :: row
 
+      allocate (set, problem, synthesis)
       call load('AS IT IS'//nl//chain//" &END"//nl//rest//', DES3=5*1.0 &END'//nl//method, set, problem, dimensions)
       if (.not. allocated(problem%target_values)) return
       call prepare_output_targets(set, problem, .false., .false., targets)

@@ -40,11 +40,12 @@ contains
    subroutine loops_close(name, which)
       character(*), intent(in) :: name
       integer, intent(in), optional :: which    !! case of the file
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       integer :: block, offset, n, i, loop, a
       real(wp) :: x, y, worst, size_of, c, s, length
 
+      allocate (problem, set)
       call load_case(name, problem, set, n=which, everything=.true.)
       call problem%bind(problem%given)
       worst = 0.0_wp
@@ -94,11 +95,12 @@ contains
    !> Points of the frame are found once for all positions, and no others: what is not fixed moves.
    subroutine fixed_points(name)
       character(*), intent(in) :: name
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       integer :: k, offset, n, wrong
       real(wp) :: way
 
+      allocate (problem, set)
       call load_case(name, problem, set, everything=.true.)
       call problem%bind(problem%given)
       call problem%solve_block(1, offset, n)
@@ -124,12 +126,13 @@ contains
    subroutine points_of_links(name)
       character(*), intent(in) :: name
       real(wp), parameter :: cranks(3) = [1.0_wp, 1.5_wp, 20.0_wp] !! times the crank's length: with the longer ones it opens
-      type(problem_t) :: problem, all_directions
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem, all_directions
+      class(data_set_t), allocatable :: set
       type(motion_t) :: motion, other
       type(dimensions_t) :: dimensions
       integer :: i
 
+      allocate (problem, all_directions, set)
       call load_case(name, problem, set, motion=motion_point)
       call load_case(name, all_directions, set, motion=motion_point)
       call all_directions%want_derivatives(.false.)
@@ -150,13 +153,14 @@ contains
    subroutine scaling(name)
       character(*), intent(in) :: name
       real(wp), parameter :: factors(3) = [8.0_wp, 2.0_wp**(-480), 2.0_wp**480]
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(motion_t) :: before, after
       type(dimensions_t) :: scaled
       real(wp) :: factor
       integer :: i
 
+      allocate (problem, set)
       call load_case(name, problem, set)
       call problem%analyse(problem%given, before)
       do i = 1, size(factors)
@@ -187,12 +191,13 @@ contains
    subroutine turning(name)
       character(*), intent(in) :: name
       real(wp), parameter :: turn = 37.0_wp
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(motion_t) :: before, after
       type(dimensions_t) :: turned
       real(wp) :: c, s
 
+      allocate (problem, set)
       call load_case(name, problem, set)
       problem%desired = .false.
       turned = problem%given
@@ -223,13 +228,14 @@ contains
    subroutine blocks(name)
       character(*), intent(in) :: name
       integer, parameter :: lengths(5) = [1, block_length - 1, block_length, block_length + 1, 3*block_length + 5]
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(motion_t) :: single, row
       real(wp) :: at
       integer :: i
       logical :: same
 
+      allocate (problem, set)
       call load_case(name, problem, set)
       at = problem%delt(size(problem%delt)/2 + 1)
       call problem%set_inputs([at])
@@ -292,12 +298,13 @@ contains
 
    !> Ackermann: the cotangents of the wheel angles differ by track over wheelbase.
    subroutine steering()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(motion_t) :: left, right
       real(wp) :: worst
       integer :: i
 
+      allocate (problem, set)
       call load_case('actuator_davis_steering', problem, set, 1)
       call problem%analyse(problem%given, left)
       call load_case('actuator_davis_steering', problem, set, 2)
@@ -346,10 +353,11 @@ contains
 
    !> An arc of no length beside the copy of a slide is not that slide.
    subroutine copied_slide()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(motion_t) :: none, little
 
+      allocate (problem, set)
       call load_case('hard/copied_slide', problem, set)
       call problem%analyse(problem%given, none)
       problem%given%arcl(problem%mechanism%seq(2, 2)) = 1.0e-9_wp

@@ -29,8 +29,8 @@ contains
    subroutine cost(name)
       character(*), intent(in) :: name
       integer, parameter :: positions = 360
-      type(problem_t) :: problem, fine
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem, fine
+      class(data_set_t), allocatable :: set
       type(plan_t) :: plan
       type(proof_linkage_t) :: linkage
       type(proof_t) :: proof
@@ -39,6 +39,7 @@ contains
       integer(int64) :: start, finish, rate
       real(wp) :: engine, closure, all_extremes
 
+      allocate (problem, fine, set)
       call load_case(name, problem, set)
       plan = make_plan(problem%mechanism, problem%motion, everything=.true., all_roots=.false.)
       call prepare_proof(problem%mechanism, plan, linkage)

@@ -45,17 +45,18 @@ contains
    subroutine search_and_prove(name, seed)
       character(*), intent(in) :: name
       integer, intent(in) :: seed
-      type(problem_t) :: problem
+      class(problem_t), allocatable :: problem
       type(data_set_t), target :: set
       type(result_t) :: result
       type(stop_t) :: never
-      type(inspector_t) :: inspector
+      class(inspector_t), allocatable :: inspector
       type(proof_linkage_t) :: linkage
       type(dimensions_t) :: dimensions
       type(plan_t) :: plan
       real(wp), allocatable :: none(:, :)
       integer :: i
 
+      allocate (problem, inspector)
       call load_case(name, problem, set)
       set%method%istart = seed
       set%search%nstart = starts

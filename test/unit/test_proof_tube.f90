@@ -78,11 +78,12 @@ contains
 
    !> A four-bar whose crank cannot turn: its dead points, by the law of cosines, both ways from the drawing.
    subroutine rocker()
-      type(chain_study_t) :: s
+      class(chain_study_t), allocatable :: s
       type(chain_proof_t) :: proof
       real(wp), parameter :: a = 4.0_wp, d = 6.0_wp, reach = 7.0_wp !! crank, frame, coupler 3 and rocker 4 in one line
       real(wp) :: crank, end_of_crank, far(2), drawn
 
+      allocate (s)
       call prove('DOUBLE ROCKER'//nl//" &CHAIN JNT='A','B','C','D', JX=0.0,2.4,5.0,6.0, JY=0.0,3.2,3.9,0.0, "// &
                  "LNK='A D','A B','B C','C D', LENP='A B','B C','C D','A D', LENV=4.0,3.0,4.0,6.0 &END"//nl// &
                  " &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='angle D C' &END &METHOD NDES=2, DELT=0.0,5.0 &END"//nl, &
@@ -103,10 +104,11 @@ contains
 
    !> A crank-rocker: extremes of the rocker at the crank's dead points, closed forms.
    subroutine crank()
-      type(chain_study_t) :: s
+      class(chain_study_t), allocatable :: s
       type(chain_proof_t) :: proof
       real(wp) :: value, at
 
+      allocate (s)
       call prove('CRANK-ROCKER'//nl//" &CHAIN JNT='A','B','C','D', JX=0.0,0.0,5.0,6.0, JY=0.0,2.0,4.9,0.0, "// &
                  "LNK='A D','A B','B C','C D', LENP='A B','B C','C D','A D', LENV=2.0,6.0,5.0,6.0 &END"//nl// &
                  " &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='angle D C','distance A C' &END &METHOD NDES=2, DELT=0.0,5.0 &END"//nl, &
@@ -156,12 +158,13 @@ contains
 
    !> Dead points, strokes, velocity ratio and dwells of a crank-rocker, closed forms; at the drawing and at the end of a range.
    subroutine dead_points()
-      type(chain_study_t) :: s
+      class(chain_study_t), allocatable :: s
       type(chain_proof_t) :: proof
       type(proven_dead_point_t), allocatable :: dead(:)
       real(wp) :: at(2), ratio, low, high
       integer :: k, n
 
+      allocate (s)
       ! the line of crank and coupler, 4 and 8 long, against the frame
       at(1) = acos((64.0_wp + 36.0_wp - 25.0_wp)/96.0_wp)*degrees_per_radian
       at(2) = 180.0_wp + acos((16.0_wp + 36.0_wp - 25.0_wp)/48.0_wp)*degrees_per_radian
@@ -243,7 +246,7 @@ contains
    !> Two arms, the second geared to the first, whose end has a coordinate with a double dead point, or two or none near it: every
    !> root of the closed form lies in a bracket, and a bracket that is narrow says how the sign changes.
    subroutine double_points()
-      type(chain_study_t) :: s
+      class(chain_study_t), allocatable :: s
       type(chain_proof_t) :: proof
       type(proven_dead_point_t), allocatable :: dead(:)
       real(wp), parameter :: off(9) = [0.0_wp, 1.0e-4_wp, -1.0e-4_wp, 1.0e-9_wp, -1.0e-9_wp, 1.0e-13_wp, -1.0e-13_wp, &
@@ -253,6 +256,7 @@ contains
       complex(wp) :: p
       integer :: n, k, roots, i
 
+      allocate (s)
       middle = double*radians_per_degree
       phase = atan2(-0.5_wp*sin(middle), -0.25_wp*cos(middle)) - 2.0_wp*middle
       do n = 1, size(off)
@@ -305,11 +309,12 @@ contains
 
    !> Two geared cranks: the rods stretch where their ends are as far apart as both are long.
    subroutine geared()
-      type(chain_study_t) :: s
+      class(chain_study_t), allocatable :: s
       type(chain_proof_t) :: proof
       real(wp) :: low, high, middle
       integer :: i
 
+      allocate (s)
       call prove(five_bar('0.5', 'NDES=3, DELT=0.0,20.0,340.0'), proof_of_turn, s, proof)
       low = 340.0_wp
       high = 358.0_wp
@@ -351,9 +356,10 @@ contains
 
    !> A parallelogram: at 0 all links lie in one line, and nothing tells how it goes on.
    subroutine change_point()
-      type(chain_study_t) :: s
+      class(chain_study_t), allocatable :: s
       type(chain_proof_t) :: proof
 
+      allocate (s)
       call prove('PARALLELOGRAM'//nl//" &CHAIN JNT='A','B','C','D', JX=0.0,0.0,4.0,4.0, JY=0.0,2.0,2.0,0.0, "// &
                  "LNK='A D','A B','B C','C D' &END &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point C' &END"//nl// &
                  ' &METHOD NDES=2, DELT=0.0,5.0 &END'//nl, proof_of_turn, s, proof)
@@ -366,13 +372,14 @@ contains
 
    !> Random groups of four: brackets hold all samples, and no sample is found beyond a dead point.
    subroutine triads()
-      type(chain_study_t) :: s
+      class(chain_study_t), allocatable :: s
       type(chain_proof_t) :: proof
       character(:), allocatable :: text
       real(wp) :: x(7), y(7)
       integer :: n, i, closing, turning, sampled
       integer, parameter :: linkages = 12
 
+      allocate (s)
       closing = 0
       turning = 0
       sampled = 0
@@ -418,9 +425,10 @@ contains
 
    !> Three cylinders, from position to position; a line on which one cannot go on.
    subroutine cylinders()
-      type(chain_study_t) :: s
+      class(chain_study_t), allocatable :: s
       type(chain_proof_t) :: proof
 
+      allocate (s)
       call prove(arm('0.1,0.2,-0.1', '0.0,0.1,0.1', '0.1,0.0,-0.1'), proof_of_inputs, s, proof)
       call t%is_true(proof%complete .and. .not. proof%one_drive .and. size(proof%segments) == 3, 'three cylinders: proven')
       call t%is_true(proof%misplaced == 0, 'three cylinders: the positions are on it')
@@ -433,11 +441,12 @@ contains
 
    !> Two arms turned from position to position: the farthest place is met early on the first of two lines.
    subroutine lines_of_positions()
-      type(chain_study_t) :: s
+      class(chain_study_t), allocatable :: s
       type(chain_proof_t) :: proof
       type(proven_dead_point_t), allocatable :: dead(:)
       real(wp), parameter :: drawn = -0.6_wp*radians_per_degree
 
+      allocate (s)
       call prove('TWO ARMS'//nl//" &CHAIN JNT='A','E','B','P', JX=0.0,-1.0,"//full_precision(cos(drawn))//','// &
                  full_precision(2.0_wp*cos(drawn))//', JY=0.0,0.0,'//full_precision(sin(drawn))//','// &
                  full_precision(2.0_wp*sin(drawn))//','//nl//" LNAME='frame','first','second', LNK='A E','A B','B P' &END"//nl// &
@@ -468,9 +477,10 @@ contains
 
    !> More constraints than are needed prove nothing.
    subroutine braced()
-      type(chain_study_t) :: s
+      class(chain_study_t), allocatable :: s
       type(chain_proof_t) :: proof
 
+      allocate (s)
       call prove('THREE PARALLEL CRANKS'//nl//" &CHAIN JNT='A','B','C','D','E','F', JX=0.0,0.0,4.0,4.0,2.0,2.0, "// &
                  "JY=0.0,2.0,2.0,0.0,0.0,2.0, KOVER=1, LNK='A D E','A B','B C F','C D','E F' &END"//nl// &
                  " &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point C' &END &METHOD NDES=2, DELT=0.0,5.0 &END"//nl, &

@@ -38,13 +38,15 @@ contains
    subroutine against_differences(name, which)
       character(*), intent(in) :: name
       integer, intent(in), optional :: which    !! case of the file
-      type(problem_t) :: problem, shifted
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      type(problem_t) :: shifted
+      class(data_set_t), allocatable :: set
       real(wp), allocatable :: values(:, :, :), x(:, :), y(:, :)
       real(wp) :: step, unit, worst(highest_order), size_of(highest_order), difference(2), tolerance
       integer :: i, k, n, order
       real(wp), parameter :: weight(3) = [0.75_wp, -0.15_wp, 1.0_wp/60.0_wp]
 
+      allocate (problem, set)
       call load_case(name, problem, set, n=which)
       call problem%want_derivatives(.false.)
       n = min(problem%positions, problem%linkage%capacity)
@@ -136,12 +138,13 @@ contains
    subroutine loop_equations(name, which)
       character(*), intent(in) :: name
       integer, intent(in), optional :: which    !! case of the file
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(rates_t) :: rates
       real(wp) :: sum1(2), sum2(2), x, y, length, w1, w2, l1, l2, worst, size_of
       integer :: offset, n, i, loop, a, arc, root, slide
 
+      allocate (problem, set)
       call load_case(name, problem, set, n=which, everything=.true.)
       call problem%want_derivatives(.true.)
       call prepare_rates(problem, rates)
@@ -181,13 +184,14 @@ contains
    !> A pose is the output point and the angle of the output arc: values and derivatives are those of the two, bit for bit.
    subroutine pose_rates(name)
       character(*), intent(in) :: name
-      type(problem_t) :: pose, alone
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: pose, alone
+      class(data_set_t), allocatable :: set
       type(motion_t) :: whole, part
       type(rates_t) :: rates
       real(wp), allocatable :: d(:, :, :), one(:, :, :)
       integer :: kind, n
 
+      allocate (pose, alone, set)
       call load_case(name, pose, set, motion=motion_pose)
       n = pose%positions
       allocate (d(highest_order, 3, n))

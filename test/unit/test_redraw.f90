@@ -90,16 +90,17 @@ contains
       real(wp), intent(out) :: objective
       type(data_set_t), allocatable :: sets(:)
       type(diagnostics_t) :: findings
-      type(prepared_t) :: prepared
+      class(prepared_t), allocatable :: prepared
       class(problem_t), allocatable :: problem
-      type(synthesis_t) :: result
+      class(synthesis_t), allocatable :: result
       type(dimensions_t) :: dimensions
-      type(analysis_t) :: analysis
+      class(analysis_t), allocatable :: analysis
       type(variant_t) :: variant
       type(text_t) :: written
       type(line_t) :: none(0)
       type(stop_t) :: stop
 
+      allocate (prepared, result, analysis)
       seven = ''
       objective = huge(1.0_wp)
       call read_case_text(text, 'test', sets, findings, 'psalm')
@@ -126,11 +127,12 @@ contains
       real(wp), intent(out) :: objective
       type(data_set_t), allocatable :: sets(:)
       type(diagnostics_t) :: findings
-      type(prepared_t) :: prepared
+      class(prepared_t), allocatable :: prepared
       class(problem_t), allocatable :: problem
-      type(analysis_t) :: analysis
+      class(analysis_t), allocatable :: analysis
       type(line_t) :: none(0)
 
+      allocate (prepared, analysis)
       objective = huge(1.0_wp)
       call read_case_text(text, 'device 7', sets, findings, 'psalm')
       call t%is_true(.not. findings%failed(), name//': device 7 is read')
@@ -148,10 +150,11 @@ contains
    subroutine read_back(name, chain, vary, drives, output, method, solver, x, y, objective)
       character(*), intent(in) :: name, chain, vary, drives, output, method, solver, x, y
       real(wp), intent(out), optional :: objective
-      type(data_set_t) :: set, again
+      class(data_set_t), allocatable :: set, again
       character(:), allocatable :: seven
       real(wp) :: found, read
 
+      allocate (set, again)
       call search(name, 'SEARCH'//nl//chain//' VARY='//vary//' &END'//nl//drives//" &OUTPUTS OUTPUT='"//output//"' &END"//nl// &
                   solver//method//', DESX='//x//', DESY='//y//' &END'//nl//limits, set, seven, found)
       if (present(objective)) objective = found
@@ -182,12 +185,13 @@ contains
    !> The same search by loops and in poses.
    subroutine both_ways(name, chain, vary, drives, output, method, x, y)
       character(*), intent(in) :: name, chain, vary, drives, output, method, x, y
-      type(data_set_t) :: in_poses
+      class(data_set_t), allocatable :: in_poses
       type(diagnostics_t) :: findings
-      type(chain_synthesis_t) :: poses
+      class(chain_synthesis_t), allocatable :: poses
       type(stop_t) :: stop
       real(wp) :: found
 
+      allocate (in_poses, poses)
       call read_back(name, chain, vary, drives, output, method, lsq, x, y, found)
       call read_in_poses('POSES'//nl//chain//' VARY='//vary//' &END'//nl//drives//" &OUTPUTS OUTPUT='"//output// &
                          "' &END"//nl//lsq//method//', DESX='//x//', DESY='//y//' &END'//nl//limits, in_poses, findings)
@@ -202,14 +206,15 @@ contains
    subroutine several_outputs(name, chain, vary, drives, outputs, first, second, third, fourth)
       character(*), intent(in) :: name, chain, vary, drives, outputs, first, second, third
       character(*), intent(in), optional :: fourth
-      type(data_set_t) :: in_poses
-      type(data_set_t) :: set, again
+      class(data_set_t), allocatable :: in_poses
+      class(data_set_t), allocatable :: set, again
       type(diagnostics_t) :: findings
-      type(chain_synthesis_t) :: poses
+      class(chain_synthesis_t), allocatable :: poses
       type(stop_t) :: stop
       character(:), allocatable :: targets, seven
       real(wp) :: found, read, other
 
+      allocate (in_poses, set, again, poses)
       targets = ' &OUTPUTS OUTPUT='//outputs//', DES1='//first//','//nl//' DES2='//second//', WGT2=0.5, DES3='//third
       if (present(fourth)) targets = targets//', DES4='//fourth
       targets = drives//targets//' &END'//nl
@@ -238,14 +243,15 @@ contains
    !> Desired values of outputs, none of which is that of the loops.
    subroutine further_outputs(name, chain, vary, drives, outputs)
       character(*), intent(in) :: name, chain, vary, drives, outputs
-      type(data_set_t) :: in_poses
-      type(data_set_t) :: set, again
+      class(data_set_t), allocatable :: in_poses
+      class(data_set_t), allocatable :: set, again
       type(diagnostics_t) :: findings
-      type(chain_synthesis_t) :: poses
+      class(chain_synthesis_t), allocatable :: poses
       type(stop_t) :: stop
       character(:), allocatable :: rest, seven
       real(wp) :: found, read
 
+      allocate (in_poses, set, again, poses)
       rest = ' VARY='//vary//' &END'//nl//drives//' &OUTPUTS OUTPUT='//outputs//' &END'//nl//lsq//turn//' &END'//nl//limits
       call search(name, 'FURTHER'//nl//chain//rest, set, seven, found)
       if (len(seven) == 0) return
@@ -261,12 +267,13 @@ contains
 
    !> Desired values of &METHOD for a slide of a larger group are its travel, whichever of its links is named first.
    subroutine desired_travel()
-      type(data_set_t) :: set, again
+      class(data_set_t), allocatable :: set, again
       character(*), parameter :: rest = ' SLY=60.4596, SLANG=20.0,'//nl//" VARY='A B','B C','P E' &END"//nl//by_rod// &
                                  " &OUTPUTS OUTPUT='slide S' &END"//nl//lsq//turn//', DESANG='
       character(:), allocatable :: seven, head
       real(wp) :: found, other, read
 
+      allocate (set, again)
       head = 'TRAVEL'//nl//sliding(:index(sliding, ' SLY=') - 1)
       call search('travel', head//rest//'0.5,1.5,4.0,6.5,9.0,11.0 &END'//nl//limits, set, seven, found)
       call analyse('travel', seven, again, read)
@@ -280,10 +287,11 @@ contains
 
    !> Place and direction of a link.
    subroutine pose_of_a_link()
-      type(data_set_t) :: set, again
+      class(data_set_t), allocatable :: set, again
       character(:), allocatable :: seven
       real(wp) :: found, read
 
+      allocate (set, again)
       call search('pose', 'POSE'//nl//six_bar//" VARY='E F','B C','P E','B P' &END"//nl//by_rod// &
                   " &OUTPUTS OUTPUT='pose P coupler' &END"//nl//lsq//turn//', DESX=9.5,11.0,13.2,15.5,18.0,20.0,'//nl// &
                   ' DESY=80.0,80.8,82.0,83.3,84.5,85.4, DESANG=-45.0,-44.6,-44.0,-43.3,-42.6,-42.0 &END'//nl//limits, &
@@ -295,10 +303,11 @@ contains
 
    !> What is found does not close where the given linkage was drawn: it is drawn at the nearest input of the case.
    subroutine open_at_its_drawing()
-      type(data_set_t) :: set, again
+      class(data_set_t), allocatable :: set, again
       character(:), allocatable :: seven
       real(wp) :: found, read
 
+      allocate (set, again)
       call search('drawn elsewhere', 'ELSEWHERE'//nl//four_bar//" VARY='C D' &END"//nl//by_left// &
                   " &OUTPUTS OUTPUT='point P' &END"//nl//lsq//' &METHOD NDES=5, DELT=-60.0,-65.0,-70.0,-75.0,-80.0,'//nl// &
                   ' DESX=84.1138,84.3096,84.1532,83.6203,82.6949, DESY=53.0144,53.0453,52.9887,52.8579,52.6557 &END'//nl// &

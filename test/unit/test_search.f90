@@ -48,12 +48,13 @@ contains
    !> A vertex as a problem of its own: the objective of an evaluation; violated where the linkage does not close.
    subroutine vertices()
       type(problem_t), target :: problem
-      type(data_set_t) :: set
+      class(data_set_t), allocatable :: set
       type(vertex_problem_t) :: search
       real(wp), allocatable :: x(:)
       real(wp) :: objective, violation, evaluated
       integer :: loop
 
+      allocate (set)
       call load_case('needle', problem, set)
       call make_vertex_problem(set, problem, search)
       x = problem%parameters%first_values(problem%given)
@@ -150,8 +151,8 @@ contains
    end subroutine one_variable
 
    subroutine bounds()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(constraints_t) :: constraints
       type(repair_count_t) :: counts
       real(wp), allocatable :: v(:)
@@ -159,6 +160,7 @@ contains
       integer :: evaluations
       logical :: feasible
 
+      allocate (problem, set)
       call load_case('chain_short', problem, set)
       set%limits%limval = 1
       set%limits%oplow(:2) = [320.0_wp, 70.0_wp]
@@ -288,12 +290,13 @@ contains
    subroutine published_search(name, published)
       character(*), intent(in) :: name
       real(wp), intent(in) :: published
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(simplex_t) :: simplex
       type(search_state_t) :: state
       type(motion_t) :: motion
 
+      allocate (problem, set)
       call run_search(name, problem, set, simplex, state, motion)
       call t%is_true(motion%total <= published, name//': as good as published')
       call t%equal_integer(size(motion%violations), 0, name//': no constraint is violated')
@@ -303,13 +306,14 @@ contains
 
    !> Within 0.3 mm of 600 over at least 227 mm of vertical travel.
    subroutine suspension()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(simplex_t) :: simplex
       type(search_state_t) :: state
       type(motion_t) :: motion
       type(dimensions_t) :: dimensions
 
+      allocate (problem, set)
       call run_search('suspension', problem, set, simplex, state, motion)
       call t%is_true(all(abs(motion%error(:, 1)) <= 0.3_wp), 'suspension: within 0.3 mm of 600')
       dimensions = problem%given
@@ -323,12 +327,13 @@ contains
    end subroutine suspension
 
    subroutine stops()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(simplex_t) :: simplex
       type(search_state_t) :: state
       type(motion_t) :: motion
 
+      allocate (problem, set)
       call run_search('needle', problem, set, simplex, state, motion)
       call t%equal_integer(state%reason, stop_iterations, 'NITER stops the search')
       call t%equal_integer(state%iteration, 2, 'after NITER iterations')
@@ -379,12 +384,13 @@ contains
 
    !> The same input gives the same bits.
    subroutine repeats()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(simplex_t) :: first, second
       type(search_state_t) :: state
       type(motion_t) :: motion
 
+      allocate (problem, set)
       call run_search('needle_search', problem, set, first, state, motion)
       call run_search('needle_search', problem, set, second, state, motion)
       call t%is_true(all(abs(first%v - second%v) <= 0.0_wp), 'a search repeats to the last bit')

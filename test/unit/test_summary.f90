@@ -30,13 +30,14 @@ contains
 
    !> What the ranking tells of a slider-crank: crank 40, rod 140, offset 10. And which of several linkages are unbeaten.
    subroutine ranking()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(ranked_t) :: ranked
       type(found_t) :: found
       type(inspector_t), allocatable :: inspector
       real(wp), parameter :: degree = 1.0_wp/degrees_per_radian
 
+      allocate (problem, set)
       call load_case('dyad4_slider_crank', problem, set)
       found%values = problem%parameters%first_values(problem%given)
       found%delt = problem%delt
@@ -96,10 +97,11 @@ contains
 
    !> Crank 40, rod 140, offset 10: stroke and least angle in closed form.
    subroutine slider_crank()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(summary_t) :: summary
 
+      allocate (problem, set)
       call load_case('dyad4_slider_crank', problem, set)
       call sum_up(set, problem, summary)
       call t%is_true(summary%everywhere, 'slider-crank: full turn')
@@ -125,11 +127,12 @@ contains
 
    !> Links 40, 120, 80, frame 130: extremes of the rocker by the law of cosines.
    subroutine crank_rocker()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(summary_t) :: summary
       real(wp) :: swing
 
+      allocate (problem, set)
       call load_case('dyad1_crank_rocker', problem, set)
       call sum_up(set, problem, summary)
       swing = (angle_at(80.0_wp, 130.0_wp, 160.0_wp) - angle_at(80.0_wp, 130.0_wp, 80.0_wp))*degrees_per_radian
@@ -155,12 +158,13 @@ contains
 
    !> Links that do not go round: two ranges, their ends by the law of cosines.
    subroutine double_rocker()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(summary_t) :: summary
       type(text_t) :: text
       real(wp) :: low, high
 
+      allocate (problem, set)
       call load_case('dyad1_crank_rocker', problem, set)
       problem%given%arcl(1:4) = [120.0_wp, 40.0_wp, 80.0_wp, 130.0_wp]
       call sum_up(set, problem, summary)
@@ -182,10 +186,11 @@ contains
 
    !> Two slides that become parallel.
    subroutine two_slides()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(summary_t) :: summary
 
+      allocate (problem, set)
       call load_case('dyad8_tangent_mechanism', problem, set)
       call sum_up(set, problem, summary)
       call t%is_true(.not. summary%everywhere .and. summary%partial, 'parallel slides end the range')
@@ -194,12 +199,13 @@ contains
 
    !> A linkage that does not go round: prescribed inputs over less than 300 degrees are reported alone.
    subroutine part_of_turn()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(summary_t) :: summary
       real(wp), parameter :: span(2) = [299.9_wp, 300.1_wp]
       integer :: i
 
+      allocate (problem, set)
       do i = 1, size(span)
          call load_case('dyad4_slider_crank', problem, set)
          ! open from 257 to 283 degrees

@@ -37,14 +37,15 @@ contains
    subroutine bands(name, of_lengths, of_angles)
       character(*), intent(in) :: name
       real(wp), intent(in) :: of_lengths, of_angles
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(deviating_t) :: deviating
-      type(tolerance_t) :: linear
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
+      class(deviating_t), allocatable :: deviating
+      class(tolerance_t), allocatable :: linear
       type(sample_t) :: sample, shared
       logical :: closes
       integer, parameter :: trials = 20500
 
+      allocate (problem, set, deviating, linear)
       call load_case(name, problem, set)
       call set_tolerances(set, of_lengths, of_angles)
       call find_tolerances(set, problem%mechanism, problem%given, deviating, linear, closes)
@@ -70,12 +71,13 @@ contains
 
    !> A sketch that names no output: its last joint is the output, and no output is looked at that is not there.
    subroutine without_outputs()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
-      type(deviating_t) :: deviating
-      type(tolerance_t) :: named, nameless
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
+      class(deviating_t), allocatable :: deviating
+      class(tolerance_t), allocatable :: named, nameless
       logical :: closes
 
+      allocate (problem, set, deviating, named, nameless)
       call load_case('sketch_slider_crank', problem, set)
       set%toler%given = .true.
       set%toler%tollen = 0.01_wp

@@ -100,12 +100,13 @@ contains
       character(*), intent(in) :: name
       integer, intent(in) :: delta
       real(wp), intent(in) :: want(5)
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(force_table_t) :: table
       type(force_model_t) :: model
       integer :: c
 
+      allocate (problem, set)
       call load_case(name, problem, set)
       call rule_masses(problem, set)
       set%rates%speed = merge(100.0_wp, speed_600, problem%mechanism%sliding_input)
@@ -142,12 +143,13 @@ contains
       character(*), intent(in) :: name, which
       integer, intent(in) :: delta
       real(wp), intent(in) :: want(2)
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(force_table_t) :: table
       type(force_model_t) :: model
       integer :: j, c
 
+      allocate (problem, set)
       call load_case(name, problem, set)
       call rule_masses(problem, set)
       set%rates%speed = speed_600
@@ -163,8 +165,8 @@ contains
 
    !> Loads are linear in the masses: unit columns of the rod of the slider-crank about its start, and their sum.
    subroutine unit_columns()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(force_table_t) :: table
       type(force_model_t) :: model
       real(wp), allocatable :: columns(:, :, :, :)
@@ -175,6 +177,7 @@ contains
       real(wp) :: total
       integer :: c
 
+      allocate (problem, set)
       call load_case('dyad4_slider_crank', problem, set)
       call rule_masses(problem, set)
       set%rates%speed = speed_600
@@ -234,8 +237,8 @@ contains
    !> loads, springs. Nothing of the sweep is used but its result.
    subroutine every_link_in_equilibrium(name)
       character(*), intent(in) :: name
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(force_table_t) :: table
       type(force_model_t) :: model
       type(rates_t) :: rates
@@ -244,6 +247,7 @@ contains
       real(wp) :: worst, largest, reach, unit
       integer :: offset, n, i, j, b
 
+      allocate (problem, set)
       call load_case(name, problem, set)
       call load_up(problem, set)
       delt = problem%delt(:min(problem%positions, 72))
@@ -417,14 +421,15 @@ contains
    subroutine momentum_and_energy(name)
       character(*), intent(in) :: name
       real(wp), parameter :: weight(4) = [0.8_wp, -0.2_wp, 4.0_wp/105.0_wp, -1.0_wp/280.0_wp]
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(force_table_t) :: table
       type(force_model_t) :: model
       type(rates_t) :: rates
       real(wp) :: step, middle, total(4, -4:4), want(4), got(4), largest
       integer :: s, offset, n, l
 
+      allocate (problem, set)
       call load_case(name, problem, set)
       call load_up(problem, set)
       set%springs%first = set%springs%first(:0)
@@ -534,14 +539,15 @@ contains
    !> a time, add up to those of all.
    subroutine scaling_of_speed(name)
       character(*), intent(in) :: name
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(force_table_t) :: table, faster, of_one
       type(force_model_t) :: model
       real(wp), allocatable :: sums(:, :), delt(:), mass(:), inertia(:)
       real(wp) :: largest
       integer :: b
 
+      allocate (problem, set)
       call load_case(name, problem, set)
       call rule_masses(problem, set)
       set%rates%speed = speed_600
@@ -574,14 +580,15 @@ contains
    subroutine shift_and_turn(name)
       character(*), intent(in) :: name
       real(wp), parameter :: angle = 37.0_wp
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(force_table_t) :: table, moved
       type(force_model_t) :: model
       real(wp), allocatable :: delt(:)
       real(wp) :: c, s, shift(2), before(2), largest, want(2), worst
       integer :: k, n, j
 
+      allocate (problem, set)
       call load_case(name, problem, set)
       call load_up(problem, set)
       delt = problem%delt(:min(problem%positions, 12))
@@ -635,13 +642,14 @@ contains
    !> Millimetres and metres give the same newtons; a load of 1e-12 N has the digits of one of 1e6 N; a mechanism without masses and
    !> loads has no forces.
    subroutine units_and_sizes()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(force_table_t) :: small, large, none
       type(force_model_t) :: model
       real(wp), parameter :: at(3) = [20.0_wp, 140.0_wp, 260.0_wp]
       integer :: k
 
+      allocate (problem, set)
       call load_case('dyad4_slider_crank', problem, set)
       call rule_masses(problem, set)
       set%rates%speed = speed_600
@@ -702,13 +710,14 @@ contains
          type(force_table_t), intent(out) :: table
          type(data_set_t), allocatable :: sets(:)
          type(diagnostics_t) :: findings
-         type(problem_t) :: problem
+         class(problem_t), allocatable :: problem
          type(mechanism_t) :: mechanism
          type(parameters_t) :: parameters
          type(dimensions_t) :: dimensions
          type(force_model_t) :: model
          integer :: n
 
+      allocate (problem)
          call read_case_text(text, 'case', sets, findings, 'psalm')
          call t%is_true(.not. findings%failed(), 'two four-bars are read')
          call set_up(sets(1), mechanism, dimensions, parameters, findings)
@@ -741,13 +750,14 @@ contains
    !> the mean torque over a turn is nothing.
    subroutine power_balance(name)
       character(*), intent(in) :: name
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(force_table_t) :: table
       type(force_model_t) :: model
       real(wp), allocatable :: power(:), gap(:), delt(:)
       integer :: i
 
+      allocate (problem, set)
       call load_case(name, problem, set)
       call load_up(problem, set)
       delt = problem%delt
@@ -775,8 +785,8 @@ contains
    !> No masses, one load at the output point: the drive is minus the load times the derivative of that point by the input.
    subroutine virtual_work(name)
       character(*), intent(in) :: name
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(force_table_t) :: table
       type(force_model_t) :: model
       type(rates_t) :: rates
@@ -784,6 +794,7 @@ contains
       real(wp), parameter :: force(2) = [13.0_wp, -7.0_wp]
       integer :: i, offset, n
 
+      allocate (problem, set)
       call load_case(name, problem, set, motion=motion_point)
       set%masses%given = .true.
       deallocate (set%loads%places)
@@ -817,12 +828,13 @@ contains
 
    !> Friction of the slider-crank, against an independent computation; and the power that it takes.
    subroutine friction_reference()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(force_table_t) :: table
       type(force_model_t) :: model
       integer :: m
 
+      allocate (problem, set)
       call load_case('dyad4_slider_crank', problem, set)
       call rule_masses(problem, set)
       set%rates%speed = speed_600
@@ -903,12 +915,13 @@ contains
       subroutine find_loads(discs, got)
          real(wp), intent(in) :: discs(:, :)
          real(wp), intent(out) :: got(11)
-         type(problem_t) :: problem
-         type(data_set_t) :: set
+         class(problem_t), allocatable :: problem
+         class(data_set_t), allocatable :: set
          type(force_table_t) :: table
          type(force_model_t) :: model
          integer :: i, j, c
 
+      allocate (problem, set)
          call load_case('four_bar_haines', problem, set)
          set%rates%speed = 10.0_wp*pi
          call put_masses(set, discs)
@@ -957,8 +970,8 @@ contains
 
    !> Motion from torque of the slider-crank, against an independent computation.
    subroutine motion_from_torque()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(force_model_t) :: model
       type(motor_group_t) :: motor
       type(machine_t) :: machine
@@ -968,6 +981,7 @@ contains
       type(diagnostics_t) :: findings
       real(wp) :: wheel
 
+      allocate (problem, set)
       call load_case('dyad4_slider_crank', problem, set)
       call rule_masses(problem, set)
       call make_force_model(set, problem%mechanism, problem%given, model, findings)
@@ -1042,8 +1056,8 @@ contains
    !> rod is load/cos(beta), sin(beta) = (crank/rod) sin(angle), in quadruple precision. A relative change of a dimension changes
    !> it by tan(beta)**2 of that, three dimensions take part. At 30 degrees the loop is named.
    subroutine near_a_dead_point()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(force_table_t) :: table
       type(force_model_t) :: model
       real(wp), parameter :: offset(5) = [10.0_wp, 1.0e-1_wp, 1.0e-3_wp, 1.0e-5_wp, 1.0e-7_wp], load = 100.0_wp
@@ -1051,6 +1065,7 @@ contains
       real(wp) :: condition
       integer :: k
 
+      allocate (problem, set)
       degree = acos(-1.0_real128)/180.0_real128
       call load_case('dyad4_slider_crank', problem, set)
       associate (arcl => problem%given%arcl)
@@ -1088,8 +1103,8 @@ contains
 
    !> A table over a full turn of the crank gives the same forces from whichever row it begins.
    subroutine table_begun_elsewhere()
-      type(problem_t) :: problem
-      type(data_set_t) :: set
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
       type(force_model_t) :: model, other
       type(force_table_t) :: one, two
       type(motion_t) :: motion
@@ -1097,6 +1112,7 @@ contains
       integer, parameter :: first = 4
       real(wp), parameter :: turn = 360.0_wp
 
+      allocate (problem, set)
       call load_case('dyad4_slider_crank', problem, set)
       call load_up(problem, set)
       call forces_at(problem, set, [(10.0_wp*real(k, wp), k=0, 35)], one, model)
