@@ -118,12 +118,13 @@ contains
       type(dyads_t), intent(out) :: dyads
       ! a fixed rotation, so that no solution lies at infinity of the chart but by chance
       real(wp), parameter :: c1 = 0.6_wp, s1 = 0.8_wp, c2 = 5.0_wp/13.0_wp, s2 = 12.0_wp/13.0_wp
+      integer, parameter :: most_infinite = 2        ! a line, here that at infinity, meets a conic twice, or is a part of it
       real(wp) :: basis(unknowns, 3), turned(unknowns, 3), conic(6, 2), size, along(3), h
       complex(wp) :: p(4), q(4), quartic(0:4), imaginary(4, most_dyads)
       type(dyad_condition_t) :: scaled(4)
       type(pin_pair_t) :: dyad
       integer :: i, k
-      logical :: full
+      logical :: full, infinite(4)
 
       size = maxval(abs(given%d))
       if (.not. size > 0.0_wp) then
@@ -147,6 +148,12 @@ contains
       end if
       do i = 1, most_dyads
          call polish_on_conics(conic, p(i), q(i))
+         infinite(i) = is_infinite([p(i), q(i), (1.0_wp, 0.0_wp)])
+      end do
+      ! each point of a circle of the body moves along a line (a trammel), or lines of the body pass the points of a fixed circle
+      dyads%degenerate = count(infinite) > most_infinite
+      if (dyads%degenerate) return
+      do i = 1, most_dyads
          if (abs(aimag(p(i))) > real_part_only*(1.0_wp + abs(p(i))) .or. &
              abs(aimag(q(i))) > real_part_only*(1.0_wp + abs(q(i)))) then
             dyads%imaginary = dyads%imaginary + 1
@@ -155,7 +162,7 @@ contains
          end if
          along = [real(p(i), wp), real(q(i), wp), 1.0_wp]
          h = sum(turned(7, :)*along)
-         if (abs(h) <= at_infinity*maxval(abs(turned(1, :)*along(1)) + abs(turned(2, :)*along(2)) + abs(along))) then
+         if (is_infinite(cmplx(along, 0.0_wp, wp))) then
             dyads%infinite = dyads%infinite + 1
             call add_line(turned, along, size, dyads)
             cycle
@@ -176,6 +183,16 @@ contains
          end associate
       end do
       dyads%ends(:, dyads%count + 1:dyads%count + dyads%imaginary) = imaginary(:, :dyads%imaginary)
+
+   contains
+
+      !> The homogenising number of a common point of the conics vanishes.
+      pure logical function is_infinite(along)
+         complex(wp), intent(in) :: along(3)
+
+         is_infinite = abs(sum(turned(7, :)*along)) <= &
+                       at_infinity*maxval(abs(turned(1, :)*along(1)) + abs(turned(2, :)*along(2)) + abs(along))
+      end function is_infinite
    end subroutine five_conditions
 
    !> Add what a dyad is whose homogenising number vanishes, and with it pin or pivot: conj(a) x = 0.

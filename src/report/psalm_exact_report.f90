@@ -27,6 +27,7 @@ module psalm_exact_report
 
    integer, parameter :: valid_classes = 2           !! the first classes of psalm_defects: linkages without a defect
    integer, parameter :: samples = 21                !! positions of a generator with the least largest error
+   character(*), parameter :: none_listed = 'none of these linkages is listed: change a pose or point'
    real(wp), parameter :: poor_transmission = 10.0_wp !! degrees, below which the best linkage is doubted
 
 contains
@@ -261,6 +262,10 @@ contains
                                         'something (fewer points or poses, no PIVOTS)')
             else if (study%stopped) then
                call devices%remark(set, 'no real linkage was found so far')
+            else if (study%degenerate .and. study%way == way_curves) then
+               call devices%remark(set, degenerate_curves(exact, study))
+            else if (study%degenerate) then
+               call devices%remark(set, none_listed)
             else
                call devices%remark(set, 'no real linkage passes these points')
             end if
@@ -339,13 +344,7 @@ contains
       what = merge('slider-cranks                 ', 'cranks with a swinging block  ', exact%slider)
       what = trim(what)
       if (study%degenerate) then
-         if ((exact%slider .or. exact%block) .and. size(study%lines) == 0) then
-            call six%add('  degenerate: no single point is on a straight line in these poses, or a whole line of them')
-         else if (size(exact%x) == 3) then
-            call six%add('  degenerate: no pin goes with this pivot')
-         else
-            call six%add('  degenerate: the curves of the four poses cannot be drawn from a pole')
-         end if
+         call six%add('  '//degenerate_curves(exact, study))
       else if (size(study%lines) == 0) then
          call six%add('  four poses leave curves of pivots: '//to_text(study%ends)//' points of them, '// &
                       to_text(study%linkages)//' four-bars, the best are listed')
@@ -382,6 +381,21 @@ contains
       end associate
    end subroutine add_certificate
 
+   !> Why three or four poses leave no curves.
+   pure function degenerate_curves(exact, study) result(text)
+      type(exact_group_t), intent(in) :: exact
+      type(exact_study_t), intent(in) :: study
+      character(:), allocatable :: text
+
+      if ((exact%slider .or. exact%block) .and. size(study%lines) == 0) then
+         text = 'degenerate: no single point is on a straight line in these poses, or a whole line of them'
+      else if (size(exact%x) == 3) then
+         text = 'degenerate: no pin goes with this pivot'
+      else
+         text = 'degenerate: the curves of the four poses cannot be drawn from a pole'
+      end if
+   end function degenerate_curves
+
    subroutine report_generators(set, exact, study, devices)
       type(data_set_t), intent(in) :: set
       type(exact_group_t), intent(in) :: exact
@@ -399,7 +413,11 @@ contains
          call devices%note_violation()
       end if
       if (study%generators%count == 0) then
-         call devices%remark(set, 'no real linkage passes these points')
+         if (study%degenerate) then
+            call devices%remark(set, none_listed)
+         else
+            call devices%remark(set, 'no real linkage passes these points')
+         end if
          call devices%note_violation()
          return
       end if

@@ -1038,7 +1038,8 @@ contains
          study%expected = 1
       end select
       study%ends = study%generators%count + study%generators%imaginary + study%generators%infinite
-      study%complete = .not. study%generators%degenerate .and. study%ends == study%expected
+      study%degenerate = study%generators%degenerate
+      study%complete = .not. study%degenerate .and. study%ends == study%expected
       study%real_ends = study%generators%count
    end subroutine find_generators
 

@@ -666,7 +666,11 @@ def refused(folder):
         ("XP=0,1,1,3,4,5,6,7,8, YP=0,2,2,1,5,3,2,8,7", 2, "points 2 and 3 coincide"),
         ("XP=0,1,2,3,4,5,6,7,8,9,10,11, YP=12*1", 2, "one circle or line"),
         ("XP=0,1,2,3,4,5,6,7,8,9, YP=0,2,1,1,5,3,2,8,7,6, TIMP=0,10", 2, "a four-bar with points only"),
-        ("KIND='MOTION', XP=0,1,2,3,4, YP=0,2,1,1,5, ANGP=5*10.0", 1, "degenerate"),
+        ("KIND='MOTION', XP=0,1,2,3,4, YP=0,2,1,1,5, ANGP=5*10.0", 1, "infinitely many linkages\n"),
+        # a trammel: each point of a circle moves on a line. Half of the crank's angle: the same, the output seen from the crank
+        ("KIND='MOTION', XP=%s, YP=5*0, ANGP=0,-20,-50,-90,-130" % ",".join("%.15f" % math.cos(math.radians(a + 15)) for a in (0, 20, 50, 90, 130)), 1,
+         "infinitely many linkages\n"),
+        ("KIND='FUNCTION', PHI=0,20,45,70,100, PSI=0,10,22.5,35,50", 1, "infinitely many linkages\n"),
         ("KIND='FUNCTION', SIXBAR='WATT', PHI=0,10,20, PSI=0,5,12", 2, "a six-bar of Watt II is made for 5 points (a sample), 8 with ARMLEN or 9"),
         (SEVEN + "PIVOTS=-1.4,-0.5, CRANK=0,0", 2, "has no length: its pin is at A"),
         (SEVEN + "PIVOTS=0,0, CRANK=0.4,0.1", 2, "the third fixed pivot is at A"),

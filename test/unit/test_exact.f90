@@ -89,6 +89,13 @@ contains
       ! a body that turns about a fixed point: every point moves on a circle about it
       call five_poses(-(0.7_wp, -0.3_wp)*g, g, dyads)
       call t%is_true(dyads%degenerate, 'five poses about one pivot are degenerate')
+      ! a trammel: two points at a distance of 1 stay on two lines at right angles, the reference point on one of them; so do all
+      ! points of the circle of which they are a diameter. Inverted, lines of the body pass through the points of a fixed circle
+      d = cmplx(real(cmplx(cos(0.3_wp), sin(0.3_wp), wp)*(1.0_wp + conjg(g)), wp) - cos(0.3_wp), 0.0_wp, wp)
+      call five_poses(d, g, dyads)
+      call t%is_true(dyads%degenerate, 'five poses of a trammel are degenerate')
+      call five_poses(-d/(1.0_wp + g), conjg(g), dyads)
+      call t%is_true(dyads%degenerate, 'five poses of an inverted trammel are degenerate')
       d(2) = d(1)
       g(2) = g(1)
       call five_poses(d, g, dyads)
