@@ -387,10 +387,12 @@ contains
 
       r = location%at*model%metre
       associate (body => model%inertia(:, location%body))
+         body(parameter_inertia) = body(parameter_inertia) + inertia
+         if (.not. abs(mass) > 0.0_wp) return   ! a square of a length may overflow
          body(parameter_mass) = body(parameter_mass) + mass
          body(parameter_mx) = body(parameter_mx) + mass*r(1)
          body(parameter_my) = body(parameter_my) + mass*r(2)
-         body(parameter_inertia) = body(parameter_inertia) + inertia + mass*(r(1)**2 + r(2)**2)
+         body(parameter_inertia) = body(parameter_inertia) + mass*(r(1)**2 + r(2)**2)
       end associate
    end subroutine add_mass
 

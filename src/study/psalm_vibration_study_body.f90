@@ -233,10 +233,12 @@ contains
       allocate (study%multipliers(2*size(damping)))
       call coupled_multipliers(k, damping, coupled_tolerance, study%multipliers, study%multiplier_error, study%multipliers_found)
       study%stable = study%multipliers_found .and. maxval(abs(study%multipliers)) < 1.0_wp - 16.0_wp*study%multiplier_error
-      ! the product of all against exp(-2 pi sum of the dampings); beside large multipliers the small ones lose digits
+      ! the product of all against exp(-2 pi sum of the dampings); beside large multipliers the small ones lose digits. Both may be
+      ! below the smallest number
       n = size(damping)
       exact = exp(-2.0_wp*pi*sum(damping))
-      study%determinant_error = abs(product(study%multipliers) - exact)/max(exact, abs(product(study%multipliers(:n))))
+      study%determinant_error = abs(product(study%multipliers) - exact)/ &
+                                max(exact, abs(product(study%multipliers(:n))), tiny(1.0_wp))
    end subroutine find_multipliers
 
    !> Mode 1 at another speed.
